@@ -1,0 +1,1 @@
+"""Pictures of a day: pure functions from a trace to figures."""

@@ -1,0 +1,47 @@
+"""What the feeder hands over to scheduling: named linear limits on station power."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+STATION = 0
+"""The one port there is today: the charging station."""
+
+
+@dataclass(frozen=True, slots=True)
+class LimitRows:
+    """Σ_port coefficient[row, port] · power_kw[port] ≤ limit_kw[interval, row].
+
+    `elements` names what each row stands for, `voltage_min:652`, `line:633-634` or
+    `node:634`. Rows of the station's port are scaled to coefficient 1, so that a limit is
+    that element's headroom. Shapes: elements (rows,), coefficient (rows, ports),
+    limit_kw (intervals, rows).
+    """
+
+    elements: tuple[str, ...]
+    coefficient: Floats
+    limit_kw: Floats
+
+    def from_interval(self, interval: int) -> "LimitRows":
+        """The rows of `interval` and later."""
+        return LimitRows(self.elements, self.coefficient, self.limit_kw[interval:])
+
+    def capacity_kw(self) -> Floats:
+        """Room of each row for the station alone, kW, shape (intervals, rows), never below 0."""
+        return np.maximum(0.0, self.limit_kw) / self.coefficient[:, STATION]
+
+    def headroom_kw(self) -> Floats:
+        """Largest station power of each interval, kW, shape (intervals,); inf if unlimited."""
+        if not self.elements:
+            return np.full(len(self.limit_kw), np.inf)
+        return np.asarray(self.capacity_kw().min(axis=1))
+
+    def binding(self) -> tuple[str, ...]:
+        """The tightest element of each interval, whether reached or not; "" if unlimited."""
+        if not self.elements:
+            return ("",) * len(self.limit_kw)
+        # argmin of the unclipped limits: of two elements without room, the one further beyond
+        tightest = (self.limit_kw / self.coefficient[:, STATION]).argmin(axis=1)
+        return tuple(self.elements[row] for row in tightest)

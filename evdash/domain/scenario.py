@@ -1,0 +1,275 @@
+"""A scenario: everything that decides a day, immutable, each field declared once.
+
+Fields and files are those of the scenario folder (`docs/scenario.md`). What one field can
+say about itself is checked here by pydantic; what several fields must agree on is checked
+in `evdash.files.checks`, so that all faults can be told together.
+"""
+
+from collections.abc import Mapping
+from datetime import datetime, timedelta
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+
+from evdash.domain.fields import Count, Name, Number, declare, declare_optional
+
+LOCAL_TIME_FORMAT = "%Y-%m-%dT%H:%M"
+
+
+class Record(BaseModel):
+    """A frozen record that refuses unknown fields and numbers that are not finite."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, str_strip_whitespace=True
+    )
+
+
+def _blank_is_none(value: object) -> object:
+    return None if isinstance(value, str) and not value.strip() else value
+
+
+def _local_time(value: object) -> object:
+    """Read `YYYY-MM-DDTHH:MM`; a TOML date-time passes if it names a whole minute."""
+    if isinstance(value, str):
+        try:
+            return datetime.strptime(value.strip(), LOCAL_TIME_FORMAT)
+        except ValueError:
+            raise ValueError("should be a local time as YYYY-MM-DDTHH:MM") from None
+    if isinstance(value, datetime):
+        if value.tzinfo is not None:
+            raise ValueError("should be a local time without time zone")
+        if value.second or value.microsecond:
+            raise ValueError("should be a whole minute")
+        return value
+    raise ValueError("should be a local time as YYYY-MM-DDTHH:MM")
+
+
+LocalTime = Annotated[datetime, BeforeValidator(_local_time)]
+OptionalNumber = Annotated[float | None, BeforeValidator(_blank_is_none)]
+
+
+class Feeder(Record):
+    """The `[feeder]` table: where the feeder begins and what its voltages may be."""
+
+    source_node: Name = declare("Node at which the feeder is supplied", "node", "650")
+    source_voltage_pu: Number = declare(
+        "Voltage held at the source node", "pu", 1.02, gt=0.5, lt=1.5
+    )
+    voltage_min_pu: Number = declare("Lowest voltage allowed at any node", "pu", 0.97, gt=0, lt=1.5)
+    voltage_max_pu: Number = declare("Highest voltage allowed at any node", "pu", 1.03, gt=0, lt=2)
+    base_mva: Number = declare("Power base of the per-unit system", "MVA", 5.0, gt=0)
+    base_kv: Number = declare("Nominal voltage, line to line", "kV", 4.16, gt=0)
+    load_scale: Number = declare("Factor on every load, kW and kvar", "", 1.0, ge=0, le=100)
+    power_factor: Number = declare(
+        "Lagging power factor of loads whose kvar are not given", "", 0.9, gt=0, le=1
+    )
+
+
+class Station(Record):
+    """The `[station]` table: the charging station, its chargers and their limits."""
+
+    node: Name = declare("Node that hosts the charging station", "node", "634")
+    chargers: Count = declare(
+        "How many vehicles can charge at the same time", "chargers", 12, ge=0, le=100_000
+    )
+    min_kw: Number = declare("Lowest power a running charger can hold", "kW", 3.3, ge=0)
+    max_kw: Number = declare("Highest power of a charger", "kW", 19.2, gt=0, le=10_000)
+    efficiency: Number = declare(
+        "Energy into the battery per energy drawn from the grid", "", 0.9, gt=0, le=1
+    )
+
+
+class PriceOption(Record):
+    """One `[[option]]`: what a kWh costs the driver and how fast it is promised."""
+
+    name: Name = declare("Name of the price option", "", "C1")
+    price_per_kwh: Number = declare(
+        "What the driver pays for a kWh drawn from the grid", "$/kWh", 0.35, ge=0, le=1000
+    )
+    average_kw: Number = declare(
+        "Average charging power promised; it sets the time of return", "kW", 9.6, gt=0
+    )
+
+
+class Node(Record):
+    """A row of `nodes.csv`. Loads are peak values, three-phase totals; blank means none."""
+
+    node: Name = declare("Name of the node", "", "650")
+    load_kw: OptionalNumber = declare_optional("Peak active load", "kW", ge=0)
+    load_kvar: OptionalNumber = declare_optional(
+        "Peak reactive load; blank: from the power factor", "kvar"
+    )
+    shunt_kvar: OptionalNumber = declare_optional(
+        "Capacitor, constant power; positive injects", "kvar"
+    )
+    generation_kw: OptionalNumber = declare_optional("Peak generation", "kW", ge=0)
+    rating_kva: OptionalNumber = declare_optional("Limit of the node's net injection", "kVA", ge=0)
+    x: OptionalNumber = declare_optional("Drawing position, to the right", "")
+    y: OptionalNumber = declare_optional("Drawing position, upward", "")
+
+
+class Line(Record):
+    """A row of `lines.csv`: a line, switch or transformer, positive-sequence at base_kv."""
+
+    from_node: Name = declare("Node at one end", "", "650")
+    to_node: Name = declare("Node at the other end", "", "632")
+    r_ohm: float = declare("Series resistance", "ohm", 0.1, ge=0)
+    x_ohm: float = declare("Series reactance", "ohm", 0.1, ge=0)
+    rating_kva: OptionalNumber = declare_optional("Limit of what flows through it", "kVA", ge=0)
+
+    @property
+    def name(self) -> str:
+        """The line as files and screens name it, `633-634`."""
+        return f"{self.from_node}-{self.to_node}"
+
+
+class ProfileRow(Record):
+    """A row of `profile.csv`: the conditions of one interval."""
+
+    interval: int = declare("Interval, counted from 0", "", 0, ge=0)
+    price_per_kwh: float = declare("Energy price of the interval", "$/kWh", 0.03, ge=-1000, le=1000)
+    load_pu: float = declare("Loads per unit of their peak", "pu", 1.0, ge=0, le=100)
+    generation_pu: OptionalNumber = declare_optional(
+        "Generation per unit of its peak", "pu", ge=0, le=100
+    )
+
+
+class FleetModel(Record):
+    """A row of `fleet.csv`: one vehicle model the generator draws from."""
+
+    model: Name = declare("Name of the vehicle model", "", "Leaf")
+    share: float = declare("How often it comes, relative to the others", "", 1.0, ge=0)
+    battery_kwh: float = declare("Usable battery capacity", "kWh", 39.0, gt=0, le=10_000)
+    max_kw: float = declare("On-board charger limit", "kW", 6.6, gt=0)
+
+
+class Arrival(Record):
+    """A row of `arrivals.csv`: one vehicle asking for a charge."""
+
+    vehicle: Name = declare("Name of the vehicle", "", "PEV-001")
+    arrival: LocalTime = declare(
+        "Arrival: HH:MM (first at or after the start) or YYYY-MM-DDTHH:MM",
+        "",
+        datetime(2020, 7, 15),
+    )
+    option: Name = declare("Price option the driver chose", "", "C1")
+    battery_kwh: float = declare("Usable battery capacity", "kWh", 60.0, gt=0, le=10_000)
+    soc_in: float = declare("State of charge on arrival", "0 to 1", 0.4, ge=0, le=1)
+    soc_out: float = declare("State of charge wanted on return", "0 to 1", 0.8, ge=0, le=1)
+    max_kw: OptionalNumber = declare_optional("On-board charger limit", "kW", gt=0)
+
+
+class ArrivalStatistics(Record):
+    """What is known of arrivals before they happen: the generator's keys but its seed."""
+
+    vehicles_per_day: Number = declare(
+        "Mean number of vehicles arriving in 24 hours", "vehicles", 100.0, ge=0, le=1_000_000
+    )
+    hourly_share: tuple[Annotated[Number, Field(ge=0)], ...] = declare(
+        "Relative share of arrivals in each clock hour, 00 to 23 (scaled to sum 1)",
+        "",
+        (1.0,) * 24,
+        min_length=24,
+        max_length=24,
+    )
+    option_share: dict[str, Annotated[Number, Field(ge=0, le=1)]] = declare(
+        "Share of drivers choosing each price option; sum 1", "", {}
+    )
+    soc_in_beta: tuple[Annotated[Number, Field(gt=0)], Annotated[Number, Field(gt=0)]] = declare(
+        "Beta distribution of the state of charge on arrival, [a, b]", "", (2.3, 1.7)
+    )
+    soc_out: tuple[
+        Annotated[Number, Field(ge=0.01, le=1)], Annotated[Number, Field(ge=0.01, le=1)]
+    ] = declare("Range of the state of charge wanted, [low, high]", "0 to 1", (0.8, 1.0))
+    fleet: tuple[FleetModel, ...] = declare("Vehicle models drawn from", "", (), min_length=1)
+
+
+class GeneratedArrivals(ArrivalStatistics):
+    """Arrivals drawn at random: the statistics and a seed."""
+
+    seed: Count = declare("Seed of the random arrivals", "", 1, ge=0, le=2**63 - 1)
+
+
+class RecordedArrivals(Record):
+    """Arrivals given one by one, and what a policy may know of their statistics."""
+
+    vehicles: tuple[Arrival, ...] = ()
+    seed: Count | None = declare_optional("Seed of what a policy samples", "", ge=0, le=2**63 - 1)
+    forecast: ArrivalStatistics | None = None
+
+
+def _arrivals_kind(value: Any) -> str:
+    recorded = "vehicles" in value if isinstance(value, dict) else hasattr(value, "vehicles")
+    return "recorded" if recorded else "generated"
+
+
+Arrivals = Annotated[
+    Annotated[GeneratedArrivals, Tag("generated")] | Annotated[RecordedArrivals, Tag("recorded")],
+    Discriminator(_arrivals_kind),
+]
+
+
+class Scenario(Record):
+    """A complete day: feeder, station, options, conditions of each interval, arrivals."""
+
+    format: Literal[1] = declare("Version of the scenario form", "", 1)
+    name: str = declare("Name of the scenario", "", "scenario", min_length=1, max_length=200)
+    start: LocalTime = declare("Start of interval 0, local time", "", datetime(2020, 7, 15))
+    interval_minutes: Count = declare("Length of an interval", "min", 60, ge=5, le=60)
+    intervals: Count = declare("Number of intervals", "intervals", 24, ge=1, le=10_000)
+    arrivals_until: Annotated[Count | None, Field()] = declare_optional(
+        "Interval from which nobody arrives; left out: the last interval's end", "interval", ge=0
+    )
+    feeder: Feeder
+    station: Station
+    option: tuple[PriceOption, ...] = declare("Price options", "", (), min_length=1)
+    arrivals: Arrivals
+    nodes: tuple[Node, ...] = declare("Nodes of the feeder", "", (), min_length=2)
+    lines: tuple[Line, ...] = declare("Lines of the feeder", "", (), min_length=1)
+    profile: tuple[ProfileRow, ...] = declare("Conditions by interval", "", (), min_length=1)
+
+    @cached_property
+    def interval_hours(self) -> float:
+        """Length of an interval in h, the paper's Δt."""
+        return self.interval_minutes / 60
+
+    @cached_property
+    def price_per_kwh(self) -> np.ndarray:
+        """Energy price of each interval, $/kWh, shape (intervals,)."""
+        return _frozen([row.price_per_kwh for row in self.profile])
+
+    @cached_property
+    def load_pu(self) -> np.ndarray:
+        """Load factor of each interval, shape (intervals,)."""
+        return _frozen([row.load_pu for row in self.profile])
+
+    @cached_property
+    def generation_pu(self) -> np.ndarray:
+        """Generation factor of each interval, shape (intervals,)."""
+        return _frozen([row.generation_pu or 0.0 for row in self.profile])
+
+    @cached_property
+    def options_by_name(self) -> Mapping[str, PriceOption]:
+        return {option.name: option for option in self.option}
+
+    @property
+    def arrivals_end(self) -> int:
+        """The interval from which nobody arrives."""
+        return self.intervals if self.arrivals_until is None else self.arrivals_until
+
+    def time_of(self, interval: int) -> datetime:
+        """Clock time at which `interval` begins."""
+        return self.start + timedelta(minutes=self.interval_minutes * interval)
+
+    def replacing(self, **fields: Any) -> "Scenario":
+        """This scenario with already validated parts exchanged."""
+        kept = {name: getattr(self, name) for name in Scenario.model_fields}
+        return Scenario.model_construct(**(kept | fields))
+
+
+def _frozen(values: list[float]) -> np.ndarray:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,83 @@
+"""A day as it unfolds: inputs in force, state, steps taken. Data only; nothing here decides."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from evdash.domain.limits import Floats, LimitRows
+from evdash.domain.plan import Plan
+from evdash.domain.scenario import Arrival, Scenario
+from evdash.domain.vehicles import Contract, Request
+
+
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """A scenario made ready: who arrives, what they ask, what the feeder allows.
+
+    `requests[k]` take part from interval k; the last group comes after the last interval
+    has begun. Policies never see this: they get a Snapshot.
+    """
+
+    scenario: Scenario
+    arrivals: tuple[Arrival, ...]
+    requests: tuple[tuple[Request, ...], ...]
+    rows: LimitRows
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What is carried from one interval to the next.
+
+    `tail_kw` (contracts, intervals from now on), in kW, is a certified plan for every open
+    contract: the fallback that cannot fail.
+    """
+
+    now: int
+    contracts: tuple[Contract, ...]
+    tail_kw: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One interval decided: state before, inputs in force, who asked, the plan, state after."""
+
+    before: State
+    inputs: Inputs
+    requests: tuple[Request, ...]
+    plan: Plan
+    after: State
+
+    @property
+    def interval(self) -> int:
+        return self.before.now
+
+    @property
+    def start(self) -> datetime:
+        """Clock time at which the interval begins."""
+        return self.inputs.scenario.time_of(self.interval)
+
+    @property
+    def station_kw(self) -> float:
+        """Station power executed in this interval, kW."""
+        return float(self.plan.power_kw[:, 0].sum())
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """All steps so far, the state reached, and the inputs in force from here on."""
+
+    inputs: Inputs
+    state: State
+    steps: tuple[Step, ...] = ()
+
+    @property
+    def scenario(self) -> Scenario:
+        return self.inputs.scenario
+
+    @property
+    def now(self) -> int:
+        """The interval to be decided next; the number of intervals once the day is over."""
+        return self.state.now
+
+    @property
+    def is_over(self) -> bool:
+        return self.now >= self.scenario.intervals

@@ -1,0 +1,53 @@
+"""The few errors the program raises on purpose, each with a message meant for a person."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class EvdashError(Exception):
+    """Base of every error evdash raises on purpose."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One thing wrong with the input: where it stands, what was found, what is allowed."""
+
+    place: str
+    found: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: found {self.found}; {self.allowed}"
+
+
+class InputError(EvdashError):
+    """Wrong input. Carries every fault that was found, not only the first."""
+
+    def __init__(self, faults: Sequence[Fault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+@dataclass(frozen=True, slots=True)
+class Shortfall:
+    """Energy a contracted vehicle would miss before its promised return."""
+
+    vehicle: str
+    missing_kwh: float
+
+
+class ImpossibleCommitments(EvdashError):
+    """A change would break contracts already made. Carries the least possible shortfalls."""
+
+    def __init__(self, shortfalls: Sequence[Shortfall]) -> None:
+        self.shortfalls = tuple(shortfalls)
+        told = ", ".join(f"{s.vehicle} by {s.missing_kwh:.2f} kWh" for s in self.shortfalls)
+        super().__init__(f"contracts would fall short: {told}")
+
+
+class SolverFailure(EvdashError):
+    """The optimiser ended without a usable plan; the message carries its own words."""
+
+
+class PowerFlowDiverged(EvdashError):
+    """The AC power flow found no solution."""

@@ -1,0 +1,1 @@
+"""Scenario folders and run folders, in and out, with every fault told."""

@@ -1,0 +1,90 @@
+"""CSV tables as rows of text, with the line each row stands in."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from pydantic import BaseModel
+
+from evdash.errors import Fault
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows of a CSV file as column → text, and each row's line number in the file."""
+
+    rows: list[dict[str, object]]
+    line_numbers: list[int]
+
+
+def decode(name: str, content: bytes) -> tuple[str, list[Fault]]:
+    """UTF-8 text, with or without a byte-order mark."""
+    try:
+        return content.decode("utf-8-sig"), []
+    except UnicodeDecodeError as error:
+        found = f"byte 0x{content[error.start]:02x} at position {error.start}"
+        return "", [Fault(name, found, "should be UTF-8 text")]
+
+
+def read_table(
+    name: str, content: bytes, record: type[BaseModel]
+) -> tuple[Table | None, list[Fault]]:
+    """A table with the columns of `record`; None with its faults if its form is wrong.
+
+    Columns that may be blank may also be left out; unknown and repeated ones are faults.
+    """
+    text, faults = decode(name, content)
+    if faults:
+        return None, faults
+    try:
+        lines = csv.reader(io.StringIO(text, newline=""), strict=True)
+        header = [cell.strip() for cell in next(lines, [])]
+        faults = _header_faults(name, header, record)
+        if faults:
+            return None, faults
+        table = Table([], [])
+        for cells in lines:
+            if not cells:
+                continue
+            if len(cells) != len(header):
+                place = f"{name}, row {lines.line_num}"
+                faults.append(Fault(place, f"{len(cells)} cells", f"should be {len(header)}"))
+                continue
+            table.rows.append(dict(zip(header, cells, strict=True)))
+            table.line_numbers.append(lines.line_num)
+    except csv.Error as error:
+        place = f"{name}, row {lines.line_num}"
+        return None, [Fault(place, str(error), "should be comma-separated values")]
+    return (None if faults else table), faults
+
+
+def _header_faults(name: str, header: list[str], record: type[BaseModel]) -> list[Fault]:
+    known = list(record.model_fields)
+    required = [column for column, field in record.model_fields.items() if field.is_required()]
+    place, columns = f"{name}, header", f"columns are {', '.join(known)}"
+    faults = [
+        Fault(f"{place}, column {column}", "nothing", f"is required; {columns}")
+        for column in required
+        if column not in header
+    ]
+    faults += [
+        Fault(place, f"unknown column {column!r}", columns)
+        for column in dict.fromkeys(header)
+        if column not in known
+    ]
+    faults += [
+        Fault(place, f"column {column!r} {header.count(column)} times", "each column once")
+        for column in dict.fromkeys(header)
+        if header.count(column) > 1
+    ]
+    return faults
+
+
+def write_table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A CSV table; None is a blank, floats keep full precision."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(["" if cell is None else cell for cell in row] for row in rows)
+    return text.getvalue()

@@ -1,0 +1,1 @@
+"""The feeder: topology, linearised DistFlow, limits as named rows, AC power flow."""

@@ -1,0 +1,1 @@
+"""The moving horizon: arrivals, requests, one loop over the day, changes in mid-day."""

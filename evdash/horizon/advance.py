@@ -1,0 +1,57 @@
+"""From one interval to the next: equation (10), without a solver and without mutation."""
+
+import numpy as np
+
+from evdash.domain.plan import Plan, Snapshot
+from evdash.domain.trace import Inputs, State
+from evdash.domain.vehicles import Contract, Request
+
+
+def initial_state(n_intervals: int) -> State:
+    """Nobody under contract, at the start of interval 0."""
+    return State(now=0, contracts=(), tail_kw=np.zeros((0, n_intervals)))
+
+
+def snapshot_of(inputs: Inputs, state: State) -> Snapshot:
+    """What is known at `state.now`: nothing of who comes later."""
+    scenario = inputs.scenario
+    return Snapshot(
+        now=state.now,
+        interval_hours=scenario.interval_hours,
+        chargers=scenario.station.chargers,
+        price_per_kwh=scenario.price_per_kwh[state.now :],
+        rows=inputs.rows.from_interval(state.now),
+        contracts=state.contracts,
+        requests=inputs.requests[state.now],
+        tail_kw=state.tail_kw,
+    )
+
+
+def contracts_under(
+    plan: Plan, contracts: tuple[Contract, ...], requests: tuple[Request, ...]
+) -> tuple[Contract, ...]:
+    """The contracts a plan serves, in the order of its rows: open ones, then the new."""
+    admitted = {request.vehicle: request for request in requests}
+    return contracts + tuple(Contract(admitted[name]) for name in plan.vehicles[len(contracts) :])
+
+
+def advance(
+    state: State, plan: Plan, requests: tuple[Request, ...], interval_hours: float
+) -> State:
+    """(10): deliver the plan's first slot, count down, keep the rest as the tail.
+
+    A contract leaves when it is fulfilled or its deadline has passed.
+    """
+    now = state.now + 1
+    charged = [
+        contract.charged(float(plan.power_kw[n, 0]) * interval_hours)
+        for n, contract in enumerate(contracts_under(plan, state.contracts, requests))
+    ]
+    stays = [
+        n
+        for n, contract in enumerate(charged)
+        if not contract.is_fulfilled and contract.request.deadline_interval > now
+    ]
+    tail_kw = plan.power_kw[stays, 1:]
+    tail_kw.setflags(write=False)
+    return State(now=now, contracts=tuple(charged[n] for n in stays), tail_kw=tail_kw)

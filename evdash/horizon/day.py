@@ -1,0 +1,64 @@
+"""The moving horizon: the one loop over the day in the whole program."""
+
+from collections.abc import Callable
+
+from evdash.checker.feeder import FeederCheck
+from evdash.checker.plans import plan_problems
+from evdash.domain.plan import Plan, Policy, Snapshot, SolveReport, energy_cost, tail_plan
+from evdash.domain.scenario import Scenario
+from evdash.domain.trace import Inputs, Step, Trace
+from evdash.errors import SolverFailure
+from evdash.horizon.advance import advance, contracts_under, initial_state, snapshot_of
+from evdash.horizon.inputs import prepare
+
+
+def start_day(scenario: Scenario) -> Trace:
+    """A day about to begin."""
+    return begin(prepare(scenario))
+
+
+def begin(inputs: Inputs) -> Trace:
+    """A day about to begin, from inputs already prepared."""
+    return Trace(inputs=inputs, state=initial_state(inputs.scenario.intervals))
+
+
+def run_day(trace: Trace, policy: Policy, on_step: Callable[[Trace], None] | None = None) -> Trace:
+    """Step to the end of the horizon, telling `on_step` after every step."""
+    check = FeederCheck(trace.scenario)
+    while not trace.is_over:
+        trace = step(trace, policy, check)
+        if on_step is not None:
+            on_step(trace)
+    return trace
+
+
+def step(trace: Trace, policy: Policy, check: FeederCheck | None = None) -> Trace:
+    """Decide the interval `trace.now` and carry it out; the trace given stays as it was."""
+    inputs, before = trace.inputs, trace.state
+    check = check or FeederCheck(inputs.scenario)
+    snapshot = snapshot_of(inputs, before)
+    plan = certified_plan(policy, snapshot, check)
+    after = advance(before, plan, snapshot.requests, snapshot.interval_hours)
+    taken = Step(before=before, inputs=inputs, requests=snapshot.requests, plan=plan, after=after)
+    return Trace(inputs=inputs, state=after, steps=(*trace.steps, taken))
+
+
+def certified_plan(policy: Policy, snapshot: Snapshot, check: FeederCheck) -> Plan:
+    """The policy's plan if the checker passes it, else the last plan's tail, labelled so.
+
+    The tail was certified when it was made and inputs are only changed by `revise`, which
+    certifies it anew, so that a step never fails and never breaks a contract.
+    """
+    try:
+        plan = policy(snapshot)
+    except SolverFailure as failure:
+        return fallback(snapshot, str(failure))
+    contracts = contracts_under(plan, snapshot.contracts, snapshot.requests)
+    problems = plan_problems(check, contracts, plan)
+    return fallback(snapshot, "; ".join(problems)) if problems else plan
+
+
+def fallback(snapshot: Snapshot, why: str) -> Plan:
+    """The certified tail without new contracts."""
+    report = SolveReport("fallback", objective=energy_cost(snapshot, snapshot.tail_kw), note=why)
+    return tail_plan(snapshot, "the solver had no plan in time; nobody new is admitted", report)

@@ -1,0 +1,1 @@
+"""Totals and tables of a day, read off its trace."""

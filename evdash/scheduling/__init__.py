@@ -1,0 +1,1 @@
+"""P1 and its solution: equations, solvers, cleaning, earliest-first."""

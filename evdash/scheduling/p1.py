@@ -1,0 +1,106 @@
+"""The paper's policy: P1 solved at every interval."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from evdash.domain.limits import Floats
+from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
+from evdash.domain.vehicles import Request
+from evdash.scheduling.clean import cleaned
+from evdash.scheduling.earliest import earliest_first
+from evdash.scheduling.problem import OPTIMALITY_USD, Bools, Problem, problem_of
+from evdash.scheduling.reference import Solution, solve_reference
+
+SECONDS_PER_INTERVAL = 20.0
+TIE_USD = 0.98 * OPTIMALITY_USD
+"""How far above the proven bound a plan may cost in exchange for being earlier."""
+ROUNDING_USD = 1e-8
+
+Solver = Callable[[Problem, float], Solution]
+
+
+def p1_policy(solve: Solver = solve_reference, seconds: float = SECONDS_PER_INTERVAL) -> Policy:
+    """The policy that maximises the profit of what is known now, within `seconds`."""
+
+    def p1(snapshot: Snapshot) -> Plan:
+        began = time.perf_counter()
+        problem = problem_of(snapshot)
+        solution = solve(problem, seconds) if problem.n_vehicles else _nothing(problem)
+        return plan_of(snapshot, problem, solution, began, seconds)
+
+    return p1
+
+
+def plan_of(
+    snapshot: Snapshot, problem: Problem, solution: Solution, began: float, seconds: float
+) -> Plan:
+    """A clean plan from a solution: the tail if that is cheaper, then as early as a cent allows."""
+    admitted, power_kw = solution.admitted, cleaned(problem, solution.admitted, solution.power_kw)
+    if problem.tail_objective <= problem.objective(admitted, power_kw):
+        admitted, power_kw = _contracts_only(problem), problem.tail_kw
+    bound = min(solution.bound, problem.objective(admitted, power_kw))
+    left = max(0.5, seconds - (time.perf_counter() - began))
+    power_kw = _earlier(problem, admitted, power_kw, bound, left)
+    objective = problem.objective(admitted, power_kw)
+    under_contract = np.flatnonzero(admitted)
+    return Plan(
+        now=snapshot.now,
+        vehicles=tuple(problem.vehicles[n] for n in under_contract),
+        power_kw=power_kw[under_contract],
+        admitted=tuple(problem.vehicles[n] for n in under_contract[problem.n_contracts :]),
+        refused=refusals(snapshot, problem, admitted),
+        report=SolveReport(
+            status="optimal" if objective <= bound + OPTIMALITY_USD else "feasible",
+            objective=objective,
+            bound=bound if np.isfinite(bound) else None,
+            seconds=time.perf_counter() - began,
+        ),
+    )
+
+
+def refusals(snapshot: Snapshot, problem: Problem, admitted: Bools) -> tuple[Refusal, ...]:
+    """Who is turned down, and why."""
+    taken = {problem.vehicles[n] for n in np.flatnonzero(admitted)}
+    return tuple(
+        Refusal(request.vehicle, request.refusal or reason_of(snapshot, request))
+        for request in snapshot.requests
+        if request.vehicle not in taken
+    )
+
+
+def reason_of(snapshot: Snapshot, request: Request) -> str:
+    """Why P1 left a request out: a loss at any hour, or no room worth more with it."""
+    slots = request.deadline_interval - snapshot.now
+    cheapest = float(snapshot.price_per_kwh[:slots].min())
+    if cheapest >= request.price_per_kwh:
+        return (
+            f"energy costs at least {cheapest:.4g} $/kWh before its deadline, "
+            f"it pays {request.price_per_kwh:g} $/kWh"
+        )
+    return (
+        "no room before its deadline: the feeder's headroom or the chargers are taken by "
+        "contracts already made or by requests that earn more"
+    )
+
+
+def _earlier(
+    problem: Problem, admitted: Bools, power_kw: Floats, bound: float, seconds: float
+) -> Floats:
+    """Decision 6: the earliest plan within a cent of the bound and never dearer than the tail."""
+    revenue = float(problem.revenue @ admitted)
+    limit = max(
+        min(bound + TIE_USD, problem.tail_objective) + revenue, problem.energy_cost(power_kw)
+    )
+    earlier = earliest_first(problem, power_kw > 0, power_kw, limit, seconds)
+    earlier = cleaned(problem, admitted, earlier)
+    return earlier if problem.energy_cost(earlier) <= limit + ROUNDING_USD else power_kw
+
+
+def _contracts_only(problem: Problem) -> Bools:
+    return np.arange(problem.n_vehicles) < problem.n_contracts
+
+
+def _nothing(problem: Problem) -> Solution:
+    return Solution(_contracts_only(problem), problem.tail_kw, 0.0)

@@ -1,0 +1,67 @@
+"""P1 solved as the paper writes it: PuLP builds the equations, a solver takes them whole."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pulp
+
+from evdash.domain.limits import Floats
+from evdash.errors import SolverFailure
+from evdash.scheduling.equations import P1, Equation, Model, build
+from evdash.scheduling.problem import Bools, Problem
+
+ABSOLUTE_GAP_USD = 0.004
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """A feasible point of P1 and a proven bound on its optimum, $.
+
+    Shapes: admitted (vehicles,), power_kw (vehicles, slots).
+    """
+
+    admitted: Bools
+    power_kw: Floats
+    bound: float
+
+
+def solve_reference(
+    problem: Problem, seconds: float, equations: Sequence[Equation] = P1
+) -> Solution:
+    """The plain formulation on HiGHS; raises SolverFailure if no feasible point was found."""
+    began = time.perf_counter()
+    model = build(problem, equations)
+    left = max(0.1, seconds - (time.perf_counter() - began))
+    model.lp.solve(
+        pulp.HiGHS(
+            msg=False,
+            timeLimit=left,
+            gapRel=0.0,
+            gapAbs=ABSOLUTE_GAP_USD,
+            threads=1,
+            random_seed=0,
+            mip_feasibility_tolerance=1e-9,
+            primal_feasibility_tolerance=1e-9,
+        )
+    )
+    if model.lp.sol_status not in (
+        pulp.LpSolutionOptimal,
+        pulp.LpSolutionIntegerFeasible,
+    ):
+        raise SolverFailure(f"HiGHS found no plan: {pulp.LpSolution[model.lp.sol_status]}")
+    bound = model.lp.solverModel.getInfo().mip_dual_bound
+    return Solution(values(model.u) > 0.5, power_of(model), bound)
+
+
+def power_of(model: Model) -> Floats:
+    """Power of each vehicle and slot, kW, where its charger is on."""
+    on = np.array([values(row) for row in model.D]) > 0.5
+    power = np.array([values(row) for row in model.P])
+    return np.where(on, power, 0.0)
+
+
+def values(variables: Sequence[pulp.LpVariable]) -> Floats:
+    """The values of PuLP variables after solving."""
+    return np.array([variable.value() for variable in variables], dtype=float)
