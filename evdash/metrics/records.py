@@ -1,0 +1,136 @@
+"""What happened, read off a trace: a record for each interval and each vehicle."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Literal
+
+import numpy as np
+
+from evdash.domain.plan import Status
+from evdash.domain.trace import Step, Trace
+from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Request
+
+VehicleStatus = Literal["charged", "refused", "broken", "charging"]
+KEPT_WITHIN_KWH = 0.01
+"""A contract counts as kept if what it got is within this of what it was promised."""
+
+
+@dataclass(frozen=True, slots=True)
+class IntervalRecord:
+    """One interval as decided and executed. `headroom_kw` is None where nothing limits."""
+
+    interval: int
+    start: datetime
+    price_per_kwh: float
+    arrived: int
+    admitted: int
+    refused: int
+    charging: int
+    station_kw: float
+    headroom_kw: float | None
+    binding: str
+    objective: float | None
+    bound: float | None
+    solve_seconds: float
+    status: Status
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleRecord:
+    """One vehicle's fate so far. `completed_interval` is the one in which it got its last kWh."""
+
+    request: Request
+    status: VehicleStatus
+    reason: str
+    delivered_kwh: float
+    completed_interval: int | None
+
+    @property
+    def vehicle(self) -> str:
+        return self.request.vehicle
+
+    @property
+    def revenue(self) -> float:
+        """What it pays, $: for all it asked, or if its contract was broken for what it got."""
+        if self.status == "refused":
+            return 0.0
+        if self.status == "broken":
+            return self.request.price_per_kwh * self.delivered_kwh
+        return self.request.revenue
+
+
+def interval_record(step: Step) -> IntervalRecord:
+    """The record of one step."""
+    inputs, plan, interval = step.inputs, step.plan, step.interval
+    limited = bool(inputs.rows.elements)
+    return IntervalRecord(
+        interval=interval,
+        start=step.start,
+        price_per_kwh=float(inputs.scenario.price_per_kwh[interval]),
+        arrived=len(step.requests),
+        admitted=len(plan.admitted),
+        refused=len(plan.refused),
+        charging=int(plan.charging[0]),
+        station_kw=step.station_kw,
+        headroom_kw=float(inputs.rows.headroom_kw()[interval]) if limited else None,
+        binding=inputs.rows.binding()[interval],
+        objective=plan.report.objective,
+        bound=plan.report.bound,
+        solve_seconds=plan.report.seconds,
+        status=plan.report.status,
+    )
+
+
+def interval_records(trace: Trace) -> tuple[IntervalRecord, ...]:
+    """A record for every step taken."""
+    return tuple(interval_record(step) for step in trace.steps)
+
+
+def executed_power(trace: Trace) -> Iterator[tuple[int, str, float]]:
+    """(interval, vehicle, power_kw) wherever power flowed."""
+    for step in trace.steps:
+        for vehicle, power_kw in zip(step.plan.vehicles, step.plan.power_kw[:, 0], strict=True):
+            if power_kw > 0:
+                yield step.interval, vehicle, float(power_kw)
+
+
+def executed_station_kw(trace: Trace) -> np.ndarray:
+    """Station power of the intervals executed so far, kW, shape (steps,)."""
+    return np.array([step.station_kw for step in trace.steps])
+
+
+def vehicle_records(trace: Trace) -> tuple[VehicleRecord, ...]:
+    """A record for everyone who has asked so far, in order of arrival.
+
+    Once the day is over that includes those who came after its last interval had begun.
+    """
+    hours = trace.scenario.interval_hours
+    delivered: dict[str, float] = {}
+    last: dict[str, int] = {}
+    for interval, vehicle, power_kw in executed_power(trace):
+        delivered[vehicle] = delivered.get(vehicle, 0.0) + power_kw * hours
+        last[vehicle] = interval
+    records = []
+    for step in trace.steps:
+        reasons = {refusal.vehicle: refusal.reason for refusal in step.plan.refused}
+        for request in step.requests:
+            got = delivered.get(request.vehicle, 0.0)
+            status = _status(trace, request, request.vehicle in reasons, got)
+            reason = reasons.get(request.vehicle, "")
+            completed = last.get(request.vehicle) if status == "charged" else None
+            records.append(VehicleRecord(request, status, reason, got, completed))
+    if trace.is_over:
+        for request in trace.inputs.requests[trace.scenario.intervals]:
+            records.append(VehicleRecord(request, "refused", request.refusal, 0.0, None))
+    return tuple(records)
+
+
+def _status(trace: Trace, request: Request, refused: bool, delivered_kwh: float) -> VehicleStatus:
+    if refused:
+        return "refused"
+    if request.need_kwh - delivered_kwh <= ENERGY_TOLERANCE_KWH:
+        return "charged"
+    if request.deadline_interval > trace.now:
+        return "charging"
+    return "charged" if request.need_kwh - delivered_kwh <= KEPT_WITHIN_KWH else "broken"

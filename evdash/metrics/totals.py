@@ -1,0 +1,50 @@
+"""A day in a handful of numbers."""
+
+from dataclasses import dataclass
+
+from evdash.domain.trace import Trace
+from evdash.metrics.records import executed_station_kw, vehicle_records
+
+
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """Totals of the executed schedule; money in $, of everyone who has asked so far.
+
+    `peak_station_kw` is the highest mean of an interval.
+    """
+
+    arrived: int
+    admitted: int
+    refused: int
+    charged: int
+    broken: int
+    energy_requested_kwh: float
+    energy_delivered_kwh: float
+    revenue: float
+    energy_cost: float
+    peak_station_kw: float
+
+    @property
+    def profit(self) -> float:
+        return self.revenue - self.energy_cost
+
+
+def totals(trace: Trace) -> Totals:
+    """The totals of the steps taken so far."""
+    vehicles = vehicle_records(trace)
+    station_kw = executed_station_kw(trace)
+    prices = [float(step.inputs.scenario.price_per_kwh[step.interval]) for step in trace.steps]
+    hours = trace.scenario.interval_hours
+    refused = sum(record.status == "refused" for record in vehicles)
+    return Totals(
+        arrived=len(vehicles),
+        admitted=len(vehicles) - refused,
+        refused=refused,
+        charged=sum(record.status == "charged" for record in vehicles),
+        broken=sum(record.status == "broken" for record in vehicles),
+        energy_requested_kwh=sum(record.request.need_kwh for record in vehicles),
+        energy_delivered_kwh=float(station_kw.sum()) * hours,
+        revenue=sum(record.revenue for record in vehicles),
+        energy_cost=float(station_kw @ prices) * hours if prices else 0.0,
+        peak_station_kw=float(station_kw.max(initial=0.0)),
+    )
