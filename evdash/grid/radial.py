@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import networkx as nx
 import numpy as np
@@ -37,7 +38,7 @@ def topology_problems(
 ) -> Iterator[tuple[int | None, str, str]]:
     """What keeps a network from being radial: (row of `lines` or None, found, allowed)."""
     rule = "a radial feeder has exactly one way from the source to every node"
-    graph: nx.Graph[str] = nx.Graph()
+    graph: nx.Graph[Any] = nx.Graph()
     graph.add_nodes_from(node.node for node in nodes)
     for row, line in enumerate(lines):
         if line.from_node == line.to_node:
@@ -60,7 +61,7 @@ def radial_feeder(scenario: Scenario) -> RadialFeeder:
     source = scenario.feeder.source_node
     names = tuple(node.node for node in scenario.nodes if node.node != source)
     index = {name: i for i, name in enumerate(names)}
-    graph: nx.Graph[str] = nx.Graph()
+    graph: nx.Graph[Any] = nx.Graph()
     for row, line in enumerate(scenario.lines):
         graph.add_edge(line.from_node, line.to_node, row=row)
     on_way = np.zeros((len(names), len(scenario.lines)), dtype=bool)
