@@ -7,7 +7,7 @@ from evdash.checker.plans import plan_problems
 from evdash.domain.plan import Plan, Policy, Snapshot, SolveReport, energy_cost, tail_plan
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Inputs, Step, Trace
-from evdash.errors import SolverFailure
+from evdash.errors import PowerFlowDiverged, SolverFailure
 from evdash.horizon.advance import advance, contracts_under, initial_state, snapshot_of
 from evdash.horizon.inputs import prepare
 
@@ -44,18 +44,37 @@ def step(trace: Trace, policy: Policy, check: FeederCheck | None = None) -> Trac
 
 
 def certified_plan(policy: Policy, snapshot: Snapshot, check: FeederCheck) -> Plan:
-    """The policy's plan if the checker passes it, else the last plan's tail, labelled so.
+    """The policy's plan if it passes every check, else the last plan's tail, labelled so.
 
     The tail was certified when it was made and inputs are only changed by `revise`, which
-    certifies it anew, so that a step never fails and never breaks a contract.
+    certifies it anew, so that a step never breaks a contract. A solver or power flow that
+    found nothing is answered by the tail; any other exception is a mistake in the policy's
+    code and is let through, with the trace as it was.
     """
     try:
         plan = policy(snapshot)
-    except SolverFailure as failure:
+    except (SolverFailure, PowerFlowDiverged) as failure:
         return fallback(snapshot, str(failure))
-    contracts = contracts_under(plan, snapshot.contracts, snapshot.requests)
-    problems = plan_problems(check, contracts, plan)
+    problems = answer_problems(plan, snapshot)
+    if not problems:
+        contracts = contracts_under(plan, snapshot.contracts, snapshot.requests)
+        problems = plan_problems(check, contracts, plan)
     return fallback(snapshot, "; ".join(problems)) if problems else plan
+
+
+def answer_problems(plan: Plan, snapshot: Snapshot) -> list[str]:
+    """What keeps a plan from being an answer to the snapshot at all, in words."""
+    problems = []
+    if plan.now != snapshot.now:
+        problems.append(f"the plan is for interval {plan.now}, not for {snapshot.now}")
+    if plan.vehicles[: len(snapshot.contracts)] != tuple(c.vehicle for c in snapshot.contracts):
+        problems.append("the plan leaves out contracts or their order")
+    if plan.vehicles[len(snapshot.contracts) :] != plan.admitted:
+        problems.append("the plan's new vehicles are not those it says it admits")
+    answered = [*plan.admitted, *(refusal.vehicle for refusal in plan.refused)]
+    if sorted(answered) != sorted(request.vehicle for request in snapshot.requests):
+        problems.append("the plan does not answer every request, and no other, once")
+    return problems
 
 
 def fallback(snapshot: Snapshot, why: str) -> Plan:

@@ -23,8 +23,11 @@ def first_interval(scenario: Scenario, arrival: datetime) -> int:
 
 
 def promised_intervals(need_kwh: float, average_kw: float, max_kw: float, hours: float) -> int:
-    """Time of return: a_n = ⌈s_n / P_Cj⌉, no faster than the vehicle itself can charge."""
-    return math.ceil(need_kwh / (min(average_kw, max_kw) * hours) - CEIL_TOLERANCE)
+    """Time of return: a_n = ⌈s_n / P_Cj⌉, no faster than the vehicle itself can charge.
+
+    At least one interval: next to no energy still takes a moment.
+    """
+    return max(1, math.ceil(need_kwh / (min(average_kw, max_kw) * hours) - CEIL_TOLERANCE))
 
 
 def request_for(scenario: Scenario, arrival: Arrival) -> Request:

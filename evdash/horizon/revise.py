@@ -7,11 +7,13 @@ from evdash.checker.plans import plan_problems
 from evdash.domain.plan import SolveReport, tail_plan
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
-from evdash.errors import SolverFailure
+from evdash.errors import Fault, InputError, SolverFailure
 from evdash.horizon.advance import snapshot_of
 from evdash.horizon.day import start_day
 from evdash.horizon.inputs import prepare_from
 from evdash.scheduling.shortfall import plan_for_contracts
+
+CLOCK = ("start", "interval_minutes", "intervals")
 
 
 def revise(trace: Trace, scenario: Scenario) -> Trace:
@@ -20,10 +22,12 @@ def revise(trace: Trace, scenario: Scenario) -> Trace:
     Before the first step the whole day changes. Later, contracts keep their terms, and
     arrivals are redrawn only from the interval being decided. If the certified tail no
     longer holds under the new limits, another schedule for the same contracts takes its
-    place; where there is none, ImpossibleCommitments tells who would miss how much.
+    place; where there is none, ImpossibleCommitments tells who would miss how much. The
+    clock of a day under way cannot change: InputError.
     """
     if not trace.steps:
         return start_day(scenario)
+    _refuse_other_clock(trace.scenario, scenario)
     inputs = prepare_from(scenario, trace.inputs, trace.now)
     if trace.is_over:
         return replace(trace, inputs=inputs)
@@ -38,3 +42,14 @@ def revise(trace: Trace, scenario: Scenario) -> Trace:
     if problems:
         raise SolverFailure("; ".join(problems))
     return replace(trace, inputs=inputs, state=replace(trace.state, tail_kw=tail.power_kw))
+
+
+def _refuse_other_clock(old: Scenario, new: Scenario) -> None:
+    """Promises are counted in intervals, so that those have to stay what they are."""
+    faults = [
+        Fault(key, f"{getattr(new, key)}", f"stays {getattr(old, key)} once the day has begun")
+        for key in CLOCK
+        if getattr(new, key) != getattr(old, key)
+    ]
+    if faults:
+        raise InputError(faults)
