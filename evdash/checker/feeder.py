@@ -8,27 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 
 TOLERANCE_KW = 1e-6
 TOLERANCE_PU = 1e-9
-
-
-@dataclass(frozen=True, slots=True)
-class Breach:
-    """A limit exceeded in one interval. `depth` in `unit`; `base_depth` is without the station."""
-
-    interval: int
-    element: str
-    depth: float
-    base_depth: float
-    unit: str
-
-    @property
-    def by_station(self) -> bool:
-        """Whether charging causes or worsens it; otherwise it is the feeder's own."""
-        return self.depth > self.base_depth + (TOLERANCE_PU if self.unit == "pu" else TOLERANCE_KW)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,10 +83,18 @@ class FeederCheck:
 
     def breaches(self, station_kw: Floats) -> list[Breach]:
         """Every limit exceeded in any interval, by the station or by the feeder itself."""
+        tolerances = {"pu": TOLERANCE_PU, "kW": TOLERANCE_KW}
         return [
-            Breach(int(t), element, float(depth[t]), float(self._base_depths[element][t]), unit)
+            Breach(
+                interval=int(t),
+                element=element,
+                depth=float(depth[t]),
+                base_depth=float(self._base_depths[element][t]),
+                unit=unit,
+                tolerance=tolerances[unit],
+            )
             for element, depth, unit in self._depths(self.sweep(station_kw))
-            for t in np.flatnonzero(depth > (TOLERANCE_PU if unit == "pu" else TOLERANCE_KW))
+            for t in np.flatnonzero(depth > tolerances[unit])
         ]
 
     def _depths(self, sweep: Sweep) -> list[tuple[str, Floats, str]]:

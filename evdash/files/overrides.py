@@ -106,3 +106,17 @@ def edit_scenario(
             for row, price in zip(scenario.profile, price_per_kwh, strict=True)
         ]
     return validate(raw)
+
+
+def parse_settings(texts: Sequence[str]) -> tuple[Setting, ...]:
+    """Several KEY=VALUE as typed; raises InputError with every one that is not."""
+    settings: list[Setting] = []
+    faults: list[Fault] = []
+    for text in texts:
+        try:
+            settings.append(parse_setting(text))
+        except InputError as error:
+            faults += error.faults
+    if faults:
+        raise InputError(faults)
+    return tuple(settings)

@@ -1,0 +1,8 @@
+"""`python -m evdash`."""
+
+import sys
+
+from evdash.cli.main import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,53 @@
+"""The whole audit of a run folder."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from evdash.audit.contracts import contract_findings
+from evdash.audit.record import RunRecord, read_record
+from evdash.audit.station import (
+    limit_findings,
+    station_findings,
+    summary_findings,
+    voltage_findings,
+)
+from evdash.checker.feeder import FeederCheck
+from evdash.domain.breach import Breach
+from evdash.grid.acbreaches import ac_breaches
+from evdash.grid.acflow import AcResult, ac_flow
+
+
+@dataclass(frozen=True, slots=True)
+class Audit:
+    """What came of an audit: `findings` are what is wrong; the rest is for information."""
+
+    run: RunRecord
+    findings: tuple[str, ...]
+    ac: tuple[Breach, ...]
+    feeder_own: tuple[Breach, ...]
+    flow: AcResult
+
+
+def audit_run(directory: Path) -> Audit:
+    """Check a run folder by other means; raises InputError if its files cannot be read."""
+    run = read_record(directory)
+    check = FeederCheck(run.scenario)
+    flow = ac_flow(run.scenario, run.station_kw)
+    base = ac_flow(run.scenario, np.zeros(run.scenario.intervals))
+    findings = [
+        *contract_findings(run),
+        *station_findings(run),
+        *summary_findings(run),
+    ]
+    if len(run.intervals) == run.scenario.intervals:
+        findings += limit_findings(run, check)
+    findings += voltage_findings(run, check, flow)
+    return Audit(
+        run=run,
+        findings=tuple(findings),
+        ac=ac_breaches(run.scenario, flow, base),
+        feeder_own=tuple(b for b in check.breaches(run.station_kw) if not b.by_station),
+        flow=flow,
+    )

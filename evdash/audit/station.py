@@ -1,0 +1,125 @@
+"""The audit of the station: chargers, limits of the feeder, voltages, totals."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from evdash.audit.record import RunRecord
+from evdash.checker.feeder import FeederCheck
+from evdash.domain.limits import Floats
+from evdash.files.run_tables import IntervalRow
+from evdash.grid.acflow import AcResult
+
+POWER_KW = 1e-6
+VOLTAGE_PU = 1e-6
+MONEY = 1e-6
+CENT = 0.01
+MORE = 1.001
+"""A headroom is right if this much more of it would break a limit."""
+
+
+def station_findings(run: RunRecord) -> Iterator[str]:
+    """What is wrong with `intervals.csv` and what the station drew."""
+    scenario = run.scenario
+    if [row.interval for row in run.intervals] != list(range(scenario.intervals)):
+        yield "intervals.csv does not hold every interval once, in order"
+        return
+    powers = np.array(list(run.power_kw.values())).reshape(-1, scenario.intervals)
+    charging = (powers > 0).sum(axis=0)
+    arrived = [row.arrival_interval for row in run.vehicles]
+    refused = [row.arrival_interval for row in run.vehicles if row.status == "refused"]
+    for t, row in enumerate(run.intervals):
+        for told, value, right in (
+            ("price_per_kwh", row.price_per_kwh, scenario.price_per_kwh[t]),
+            ("station_kw", row.station_kw, run.station_kw[t]),
+            ("charging", row.charging, charging[t]),
+            ("arrived", row.arrived, arrived.count(t)),
+            ("refused", row.refused, refused.count(t)),
+            ("admitted", row.admitted, arrived.count(t) - refused.count(t)),
+        ):
+            if abs(value - right) > POWER_KW:
+                yield f"interval {t}: {told} is {value:g}, worked out again {right:g}"
+        if charging[t] > scenario.station.chargers:
+            yield f"interval {t}: {charging[t]} vehicles charge, {scenario.station.chargers} can"
+        if row.start != scenario.time_of(t):
+            yield f"interval {t}: starts {row.start}, worked out again {scenario.time_of(t)}"
+        yield from _proof_findings(t, row)
+
+
+def _proof_findings(t: int, row: IntervalRow) -> Iterator[str]:
+    if row.status == "optimal":
+        if row.objective is None or row.bound is None:
+            yield f"interval {t}: optimal without objective and bound"
+        elif row.objective > row.bound + CENT + MONEY:
+            yield f"interval {t}: optimal, yet {row.objective - row.bound:.4f} $ above its bound"
+
+
+def limit_findings(run: RunRecord, check: FeederCheck) -> Iterator[str]:
+    """Limits the station worsened, and headrooms that are not what they say."""
+    for breach in check.breaches(run.station_kw):
+        if breach.by_station:
+            clock = f"{run.scenario.time_of(breach.interval):%H:%M}"
+            yield f"{breach.element} exceeded by {breach.depth:.6g} {breach.unit} at {clock}"
+    headroom = np.array(
+        [math.inf if r.headroom_kw is None else r.headroom_kw for r in run.intervals]
+    )
+    limited = np.isfinite(headroom)
+    within = np.where(limited, headroom, 0.0)
+    beyond = np.where(limited, headroom * MORE + CENT, 0.0)
+    too_high = {b.interval for b in check.breaches(within * (1 - 1e-9)) if b.by_station}
+    reached = {(b.interval, b.element) for b in check.breaches(beyond) if b.by_station}
+    for t in np.flatnonzero(limited):
+        if int(t) in too_high:
+            yield f"interval {t}: a limit is exceeded before the headroom of {headroom[t]:g} kW"
+        if (int(t), run.intervals[t].binding) not in reached:
+            element = run.intervals[t].binding or "nothing"
+            yield f"interval {t}: {element} does not bind at {headroom[t]:g} kW"
+
+
+def voltage_findings(run: RunRecord, check: FeederCheck, flow: AcResult) -> Iterator[str]:
+    """Voltages in the file that are not those worked out again, linearised or AC."""
+    linear = check.sweep(run.station_kw).voltage_sq_pu
+    index = {node: i for i, node in enumerate(flow.nodes)}
+    listed = {(row.interval, row.node) for row in run.voltages}
+    wanted = {(t, node) for t in range(run.scenario.intervals) for node in flow.nodes}
+    if listed != wanted or len(run.voltages) != len(wanted):
+        yield "voltages.csv does not hold every node but the source once in every interval"
+        return
+    for row in run.voltages:
+        right = math.sqrt(max(0.0, float(linear[row.node][row.interval])))
+        right_ac = float(flow.voltage_pu[row.interval, index[row.node]])
+        told_ac = math.nan if row.voltage_ac_pu is None else row.voltage_ac_pu
+        if abs(row.voltage_pu - right) > VOLTAGE_PU:
+            yield f"interval {row.interval}, node {row.node}: voltage_pu is not {right:.6f}"
+        if not _same(told_ac, right_ac):
+            yield f"interval {row.interval}, node {row.node}: voltage_ac_pu is not {right_ac:.6f}"
+
+
+def _same(told: float, right: float) -> bool:
+    if math.isnan(told) or math.isnan(right):
+        return math.isnan(told) and math.isnan(right)
+    return abs(told - right) <= VOLTAGE_PU
+
+
+def summary_findings(run: RunRecord) -> Iterator[str]:
+    """Totals in `summary.json` that the other files do not bear out."""
+    if run.summary.get("scenario_sha256") != run.scenario_hash:
+        yield "scenario/ is not the scenario of this run: its hash differs from summary.json's"
+    cost = float(_executed_cost(run.station_kw, run))
+    revenue = sum(row.revenue for row in run.vehicles)
+    refused = sum(row.status == "refused" for row in run.vehicles)
+    for told, right in (
+        ("arrived", len(run.vehicles)),
+        ("admitted", len(run.vehicles) - refused),
+        ("revenue", revenue),
+        ("energy_cost", cost),
+        ("profit", revenue - cost),
+    ):
+        value = run.summary.get(told)
+        if not isinstance(value, int | float) or abs(value - right) > MONEY * max(1.0, abs(right)):
+            yield f"summary.json: {told} is {value}, worked out again {right:g}"
+
+
+def _executed_cost(station_kw: Floats, run: RunRecord) -> float:
+    return math.fsum(station_kw * run.scenario.price_per_kwh) * run.scenario.interval_minutes / 60

@@ -1,0 +1,130 @@
+"""The commands, their options and exit statuses."""
+
+import argparse
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+
+from evdash import __version__
+from evdash.cli.audit import audit
+from evdash.cli.run import NETWORKS, POLICIES, run
+from evdash.cli.validate import validate
+from evdash.errors import EvdashError, InputError
+
+DONE, OWN_FAILURE, WRONG_INPUT, BROKEN = 0, 1, 2, 3
+STATUSES = (
+    "exit status: 0 done; 1 evdash itself failed; 2 wrong input or unreadable files; "
+    "3 a promise or a limit was broken"
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; the exit status."""
+    errors = Console(stderr=True, highlight=False)
+    options = parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except InputError as error:
+        count = len(error.faults)
+        errors.print(f"[bold red]{count} fault{'s' if count != 1 else ''} in the input[/]")
+        for fault in error.faults:
+            errors.print(f"  [red]✗[/] {escape(str(fault))}", soft_wrap=True)
+        return WRONG_INPUT
+    except EvdashError as error:
+        errors.print(f"[bold red]evdash failed:[/] {escape(str(error))}", soft_wrap=True)
+        return OWN_FAILURE
+    except KeyboardInterrupt:
+        errors.print("stopped; nothing was written")
+        return OWN_FAILURE
+    except Exception as error:  # noqa: BLE001 - the last resort: no traceback is ever shown
+        if os.environ.get("EVDASH_TRACEBACK"):
+            traceback.print_exc(file=sys.stderr)
+        kind = escape(f"{type(error).__name__}: {error}")
+        errors.print(f"[bold red]evdash failed:[/] {kind}", soft_wrap=True)
+        errors.print("Set EVDASH_TRACEBACK=1 to see where.")
+        return OWN_FAILURE
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    top = argparse.ArgumentParser(
+        prog="python -m evdash",
+        description="Which electric vehicles can a charging station take on, hour by hour?",
+        epilog=STATUSES,
+    )
+    top.add_argument("--version", action="version", version=f"evdash {__version__}")
+    commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    _add_run(commands)
+    _add_validate(commands)
+    _add_audit(commands)
+    return top
+
+
+def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    command = commands.add_parser(
+        "run",
+        help="run a whole day and print what came of it",
+        description="Run a scenario's whole horizon, interval by interval, and print its totals.",
+        epilog=STATUSES,
+    )
+    command.add_argument(
+        "scenario",
+        nargs="?",
+        type=Path,
+        metavar="SCENARIO",
+        help="a scenario folder or a .zip of one; without it the bundled IEEE 13-node day",
+    )
+    command.add_argument("--seed", type=int, metavar="N", help="seed of the random arrivals")
+    command.add_argument(
+        "--policy", choices=sorted(POLICIES), default="p1", help="who decides (default: p1)"
+    )
+    command.add_argument(
+        "--network",
+        choices=NETWORKS,
+        default=NETWORKS[0],
+        help=f"model of the feeder that limits are kept in (default: {NETWORKS[0]})",
+    )
+    command.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        dest="settings",
+        metavar="KEY=VALUE",
+        help="a key of scenario.toml, such as station.chargers=8 or "
+        "option.C1.price_per_kwh=0.4; may be given again, the later wins",
+    )
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", help="write the run's files to this folder"
+    )
+    command.add_argument(
+        "--force", action="store_true", help="replace an earlier run in the --out folder"
+    )
+    command.set_defaults(command=run)
+
+
+def _add_validate(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    command = commands.add_parser(
+        "validate",
+        help="check a scenario and list every fault",
+        description="Check a scenario as a whole: says ok, or lists every fault.",
+        epilog=STATUSES,
+    )
+    command.add_argument("scenario", type=Path, metavar="SCENARIO", help="a folder or a .zip")
+    command.set_defaults(command=validate)
+
+
+def _add_audit(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    command = commands.add_parser(
+        "audit",
+        help="check a run's files again by other means",
+        description="Hold a run's files against its scenario with the independent checker and "
+        "the AC power flow.",
+        epilog=STATUSES,
+    )
+    command.add_argument("directory", type=Path, metavar="DIR", help="folder of an earlier run")
+    command.set_defaults(command=audit)

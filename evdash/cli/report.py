@@ -1,0 +1,146 @@
+"""What a run prints: the day in one table, and loudly whatever is outside its limits."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from evdash.domain.breach import Breach
+from evdash.domain.trace import Trace
+from evdash.files.run_export import RunLabel, Verdict
+from evdash.metrics.records import IntervalRecord, interval_records, vehicle_records
+from evdash.metrics.totals import Totals, totals
+
+SHOWN = 6
+HOURLY_ROWS = 48
+STATUS_STYLE = {"optimal": "green", "feasible": "yellow", "fallback": "red"}
+
+
+def print_report(trace: Trace, verdict: Verdict, label: RunLabel, out: Path | None) -> None:
+    """Print a finished day to standard output."""
+    console = Console(highlight=False)
+    day = totals(trace)
+    scenario = trace.scenario
+    console.print()
+    title = f"[bold]{escape(scenario.name)}[/]  {scenario.start:%Y-%m-%d %H:%M}"
+    console.print(f"{title}, policy {label.policy}, {label.network}, seed {label.seed}")
+    if trace.scenario.intervals <= HOURLY_ROWS:
+        console.print(_hourly(interval_records(trace)))
+    console.print(_totals(trace, day, label))
+    _print_reasons(console, trace)
+    _print_verdict(console, trace, verdict, day)
+    if out is not None:
+        console.print(f"written to {escape(str(out))}", soft_wrap=True)
+
+
+def _hourly(records: tuple[IntervalRecord, ...]) -> Table:
+    table = Table(box=None, header_style="dim", pad_edge=False, padding=(0, 1, 0, 0))
+    for name in ("from", "energy\n$/kWh", "\nasked", "\nadmitted", "\nrefused", "\ncharging"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for name in ("station\nkW", "headroom\nkW"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("tightest\nlimit", overflow="ellipsis", no_wrap=True)
+    all_proven = all(record.status == "optimal" for record in records)
+    if not all_proven:
+        table.add_column("\nplan", no_wrap=True)
+    for record in records:
+        room = "–" if record.headroom_kw is None else f"{record.headroom_kw:.1f}"
+        style = STATUS_STYLE[record.status]
+        table.add_row(
+            f"{record.start:%H:%M}",
+            f"{record.price_per_kwh:.4f}",
+            f"{record.arrived or ''}",
+            f"{record.admitted or ''}",
+            f"[bold]{record.refused}[/]" if record.refused else "",
+            f"{record.charging or ''}",
+            f"{record.station_kw:.1f}",
+            room,
+            escape(record.binding) or "nothing",
+            *([] if all_proven else [f"[{style}]{record.status}[/]"]),
+        )
+    return table
+
+
+def _totals(trace: Trace, day: Totals, label: RunLabel) -> Table:
+    table = Table(show_header=False, pad_edge=False)
+    share = f" ({day.admitted / day.arrived:.0%})" if day.arrived else ""
+    rows = (
+        ("vehicles arrived", f"{day.arrived}"),
+        ("admitted", f"{day.admitted}{share}"),
+        ("refused", f"{day.refused}"),
+        ("contracts kept", f"{day.charged} of {day.admitted}"),
+        ("energy delivered", f"{day.energy_delivered_kwh:,.1f} kWh"),
+        ("highest station power", f"{day.peak_station_kw:.1f} kW"),
+        ("revenue", f"$ {day.revenue:,.2f}"),
+        ("energy cost", f"$ {day.energy_cost:,.2f}"),
+        ("profit", f"$ {day.profit:,.2f}"),
+        ("proven optimal", _proven(trace)),
+        ("time taken", f"{label.wall_seconds:.1f} s"),
+    )
+    for name, value in rows:
+        table.add_row(name, f"[bold]{value}[/]")
+    return table
+
+
+def _proven(trace: Trace) -> str:
+    optimal = sum(step.plan.report.status == "optimal" for step in trace.steps)
+    return f"{optimal} of {len(trace.steps)} intervals, to the cent"
+
+
+def _print_reasons(console: Console, trace: Trace) -> None:
+    """Refusals by reason; the part before a colon groups what differs only in numbers."""
+    counts: dict[str, int] = {}
+    for record in vehicle_records(trace):
+        if record.status == "refused":
+            kind = record.reason.split(":")[0]
+            counts[kind] = counts.get(kind, 0) + 1
+    for reason, count in sorted(counts.items(), key=lambda item: -item[1]):
+        console.print(f"  {count:>4} refused: {escape(reason)}", soft_wrap=True)
+
+
+def _print_verdict(console: Console, trace: Trace, verdict: Verdict, day: Totals) -> None:
+    if day.broken:
+        names = [r.vehicle for r in vehicle_records(trace) if r.status == "broken"]
+        told = ", ".join(names[:SHOWN]) + (" …" if len(names) > SHOWN else "")
+        console.print(f"[bold red]{day.broken} contracts broken:[/] {escape(told)}")
+    groups = (
+        ("red", "broken by the station, linearised model", verdict.linear, True),
+        ("red", "broken by the station in AC", verdict.ac, True),
+        ("yellow", "outside by the feeder itself, linearised model", verdict.linear, False),
+        ("yellow", "outside by the feeder itself in AC", verdict.ac, False),
+    )
+    for colour, told, breaches, by_station in groups:
+        mine = [breach for breach in breaches if breach.by_station == by_station]
+        if mine:
+            console.print(f"[bold {colour}]{len(mine)} limits {told}:[/]")
+            _print_breaches(console, trace, mine)
+    if verdict.flow.diverged:
+        clocks = [f"{trace.scenario.time_of(t):%H:%M}" for t in verdict.flow.diverged]
+        console.print(f"[bold red]AC power flow has no solution at[/] {', '.join(clocks)}")
+    error = verdict.worst_voltage_error_pu
+    if not verdict.linear and not verdict.ac and not verdict.flow.diverged:
+        console.print("[green]every limit kept, in the linearised model and in AC[/]")
+    if error is not None:
+        console.print(f"linearised voltages differ from AC by at most {error:.4f} pu")
+
+
+def _print_breaches(console: Console, trace: Trace, breaches: Iterable[Breach]) -> None:
+    """The worst interval of each element, deepest first."""
+    worst: dict[str, Breach] = {}
+    counts: dict[str, int] = {}
+    for breach in breaches:
+        counts[breach.element] = counts.get(breach.element, 0) + 1
+        if breach.element not in worst or breach.depth > worst[breach.element].depth:
+            worst[breach.element] = breach
+    deepest = sorted(worst.values(), key=lambda breach: -breach.depth)
+    for breach in deepest[:SHOWN]:
+        clock = f"{trace.scenario.time_of(breach.interval):%H:%M}"
+        console.print(
+            f"    {escape(breach.element)}: {counts[breach.element]} intervals, worst "
+            f"{breach.depth:.4g} {breach.unit} beyond at {clock}",
+            soft_wrap=True,
+        )
+    if len(deepest) > SHOWN:
+        console.print(f"    and {len(deepest) - SHOWN} more elements")

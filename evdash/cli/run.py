@@ -1,0 +1,69 @@
+"""`run`: a whole day, its totals, and its files."""
+
+import argparse
+import time
+from collections.abc import Callable, Mapping
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from evdash.checker.feeder import FeederCheck
+from evdash.cli.report import print_report
+from evdash.domain.plan import Policy
+from evdash.domain.scenario import Scenario
+from evdash.domain.trace import Trace
+from evdash.files.bundled import DEFAULT
+from evdash.files.overrides import Setting, parse_settings
+from evdash.files.run_export import RunLabel, judge, run_files
+from evdash.files.run_folder import check_target, write_run
+from evdash.files.scenario_folder import read_scenario
+from evdash.horizon.day import run_day, start_day
+from evdash.metrics.records import executed_station_kw
+from evdash.metrics.totals import totals
+from evdash.scheduling.p1 import p1_policy
+
+POLICIES: Mapping[str, Callable[[], Policy]] = {"p1": p1_policy}
+NETWORKS = ("lindistflow",)
+BROKEN = 3
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a scenario; 3 if a promise or a limit was broken, 0 otherwise."""
+    if options.out is not None:
+        check_target(options.out, options.force)
+    began = time.perf_counter()
+    settings = parse_settings(options.settings)
+    if options.seed is not None:
+        settings += (Setting("arrivals.seed", options.seed),)
+    scenario = read_scenario(options.scenario or DEFAULT, settings)
+    trace = _with_progress(scenario, POLICIES[options.policy]())
+    breaches = FeederCheck(scenario).breaches(executed_station_kw(trace))
+    verdict = judge(trace, breaches)
+    label = RunLabel(
+        policy=options.policy,
+        network=options.network,
+        seed=scenario.arrivals.seed,
+        wall_seconds=time.perf_counter() - began,
+    )
+    if options.out is not None:
+        write_run(options.out, run_files(trace, verdict, label))
+    print_report(trace, verdict, label, options.out)
+    broken = totals(trace).broken > 0 or any(breach.by_station for breach in breaches)
+    return BROKEN if broken else 0
+
+
+def _with_progress(scenario: Scenario, policy: Policy) -> Trace:
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("preparing", total=scenario.intervals)
+
+        def told(trace: Trace) -> None:
+            clock = f"{scenario.time_of(trace.now):%H:%M}"
+            progress.update(task, completed=trace.now, description=f"deciding {clock}")
+
+        return run_day(start_day(scenario), policy, told)

@@ -1,0 +1,25 @@
+"""`validate`: says ok or lists every fault."""
+
+import argparse
+
+from rich.console import Console
+from rich.markup import escape
+
+from evdash.domain.scenario import RecordedArrivals
+from evdash.files.scenario_folder import read_scenario
+
+
+def validate(options: argparse.Namespace) -> int:
+    """Check a scenario; faults come as InputError."""
+    scenario = read_scenario(options.scenario)
+    known = scenario.arrivals
+    if isinstance(known, RecordedArrivals):
+        arrivals = f"{len(known.vehicles)} arrivals on file"
+    else:
+        arrivals = f"about {known.vehicles_per_day:g} arrivals in 24 h, seed {known.seed}"
+    told = (
+        f"[bold green]ok[/] {escape(scenario.name)}: {len(scenario.nodes)} nodes, "
+        f"{scenario.intervals} intervals of {scenario.interval_minutes} min, {arrivals}"
+    )
+    Console(highlight=False).print(told, soft_wrap=True)
+    return 0

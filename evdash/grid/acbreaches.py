@@ -1,0 +1,43 @@
+"""Limits exceeded in the AC solution, and whether the station is to blame."""
+
+import numpy as np
+
+from evdash.domain.breach import Breach
+from evdash.domain.limits import Floats
+from evdash.domain.scenario import Scenario
+from evdash.grid.acflow import AcResult
+
+TOLERANCE_PU = 1e-6
+TOLERANCE_KVA = 1e-3
+
+
+def ac_breaches(scenario: Scenario, executed: AcResult, base: AcResult) -> tuple[Breach, ...]:
+    """Voltages and line ratings exceeded in `executed`; `base` is the same without the station.
+
+    Both cover the same intervals, from 0 on. Where AC has no solution there is nothing to
+    compare; `AcResult.diverged` tells those intervals.
+    """
+    limits = scenario.feeder
+    found: list[Breach] = []
+    for i, node in enumerate(executed.nodes):
+        pair = executed.voltage_pu[:, i], base.voltage_pu[:, i]
+        low = [limits.voltage_min_pu - voltage for voltage in pair]
+        high = [voltage - limits.voltage_max_pu for voltage in pair]
+        found += _beyond(f"voltage_min:{node}", low, "pu", TOLERANCE_PU)
+        found += _beyond(f"voltage_max:{node}", high, "pu", TOLERANCE_PU)
+    for i, line in enumerate(scenario.lines):
+        if line.rating_kva is not None:
+            over = [result.line_kva[:, i] - line.rating_kva for result in (executed, base)]
+            found += _beyond(f"line:{line.name}", over, "kVA", TOLERANCE_KVA)
+    return tuple(sorted(found, key=lambda breach: breach.interval))
+
+
+def _beyond(element: str, depths: list[Floats], unit: str, tolerance: float) -> list[Breach]:
+    depth, base_depth = (np.maximum(0.0, values) for values in depths)
+    return [
+        # without an AC solution of the base case the station cannot be cleared
+        Breach(
+            int(t), element, float(depth[t]), float(np.nan_to_num(base_depth[t])), unit, tolerance
+        )
+        for t in np.flatnonzero(depth > tolerance)
+    ]
