@@ -1,0 +1,1 @@
+"""Long runs that measure and prove; each is one command."""
