@@ -1,0 +1,126 @@
+"""Writes `docs/scenario.md` from the declarations of the fields.
+
+Run `python docs/build_scenario_doc.py` after changing a field; a test holds both in step.
+"""
+
+import sys
+from pathlib import Path
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from evdash.domain.scenario import (  # noqa: E402 - the path above makes it importable
+    Arrival,
+    Feeder,
+    FleetModel,
+    GeneratedArrivals,
+    Line,
+    Node,
+    PriceOption,
+    ProfileRow,
+    Scenario,
+    Station,
+)
+from evdash.files.run_tables import RUN_TABLES  # noqa: E402
+
+INTRODUCTION = """\
+# Scenario folders and run folders
+
+Written by `docs/build_scenario_doc.py` from the declarations in `evdash/domain/scenario.py` and
+`evdash/files/run_tables.py`.
+
+A scenario is a folder, or a `.zip` of one, with `scenario.toml` and the CSV tables below: UTF-8,
+comma-separated, with a header. A blank cell means none; a column that may be blank may be left
+out. Unknown keys, columns and files are faults, a `README.md` apart. Names of nodes, vehicles
+and options are text, begin with a letter or digit, and are never numbers. Times are local, with
+neither time zone nor clock change. `data/presets/` holds complete examples.
+"""
+
+SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
+    ("`scenario.toml`", "Keys at the top.", Scenario),
+    ("`[feeder]`", "", Feeder),
+    ("`[station]`", "", Station),
+    ("`[[option]]`", "One for each price option.", PriceOption),
+    (
+        "`[arrivals]`, drawn at random",
+        "With `fleet` the name of a file, `fleet.csv`. For arrivals on file write "
+        '`file = "arrivals.csv"` instead, with `seed` if a policy samples, and, if a policy may '
+        "know the statistics, the keys below but the seed in `[arrivals.forecast]`. The number "
+        "arriving is Poisson by clock hour; minutes are uniform within the hour; each interval "
+        "has a random stream of its own.",
+        GeneratedArrivals,
+    ),
+    ("`nodes.csv`", "", Node),
+    (
+        "`lines.csv`",
+        "A transformer is such a row, in ohms at base_kv. In the linearised model what flows is "
+        "the lossless sum of what lies downstream.",
+        Line,
+    ),
+    ("`profile.csv`", "One row for each interval.", ProfileRow),
+    (
+        "`arrivals.csv`",
+        "A vehicle arriving between two intervals takes part from the next.",
+        Arrival,
+    ),
+    ("`fleet.csv`", "", FleetModel),
+)
+RUN_INTRODUCTION = """\
+# What a run writes
+
+`python -m evdash run --out DIR` writes these tables in full precision, `summary.json` with the
+totals, verdicts, versions, seed, policy, network model and the scenario's SHA-256, and
+`scenario/`, the complete scenario with the arrivals that were drawn, to be run and audited
+anywhere. `python -m evdash audit DIR` works it all out again by other means.
+"""
+
+
+def bounds(field: FieldInfo) -> str:
+    """What a field allows, in words."""
+    words = {"Ge": "≥ ", "Gt": "> ", "Le": "≤ ", "Lt": "< "}
+    told = [
+        f"{words[type(rule).__name__]}{getattr(rule, type(rule).__name__.lower()):,g}"
+        for rule in field.metadata
+        if type(rule).__name__ in words
+    ]
+    return ", ".join(told)
+
+
+def section(record: type[BaseModel]) -> str:
+    """A record's fields as a table."""
+    lines = [
+        "| field | meaning | unit | allowed | must be given |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    for name, field in record.model_fields.items():
+        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+        if field.description and not (record is Scenario and name in TABLES_OF_SCENARIO):
+            need = "yes" if field.is_required() else "no"
+            meaning = field.description.replace("|", "\\|")
+            unit = extra.get("unit", "")
+            lines.append(f"| `{name}` | {meaning} | {unit} | {bounds(field)} | {need} |")
+    return "\n".join(lines)
+
+
+TABLES_OF_SCENARIO = ("option", "nodes", "lines", "profile")
+
+
+def document() -> str:
+    """The whole page."""
+    parts = [INTRODUCTION]
+    for title, told, record in SECTIONS:
+        parts.append(f"## {title}\n")
+        if told:
+            parts.append(told + "\n")
+        parts.append(section(record) + "\n")
+    parts.append(RUN_INTRODUCTION)
+    for title, record in RUN_TABLES.items():
+        parts.append(f"## `{title}`\n\n{section(record)}\n")
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    (HERE / "scenario.md").write_text(document(), encoding="utf-8", newline="\n")
