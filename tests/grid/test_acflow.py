@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.builders import line, make_scenario, node, scenarios
 
 from evdash.grid.acflow import ac_flow
 from evdash.grid.lindistflow import base_injections, line_flows, voltage_pu, with_station
 from evdash.grid.radial import radial_feeder
+from tests.builders import line, make_scenario, node, scenarios
 
 
 def one_line(load_kw, load_kvar=0.0, **fields):

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from tests.builders import line, make_scenario, node, vehicle
 
 from evdash.checker.feeder import FeederCheck
 from evdash.grid.reduction import limit_rows
 from evdash.horizon.day import run_day, start_day
 from evdash.scheduling.p1 import p1_policy
+from tests.builders import line, make_scenario, node, vehicle
 
 PLENTY_KW = 1e4
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from tests.builders import line, make_scenario, node, scenarios, trees
 
 from evdash.grid.acflow import build_network, solve_network
 from evdash.grid.lindistflow import (
@@ -18,6 +17,7 @@ from evdash.grid.lindistflow import (
     with_station,
 )
 from evdash.grid.radial import radial_feeder
+from tests.builders import line, make_scenario, node, scenarios, trees
 
 
 def base_of(scenario):

@@ -1,9 +1,9 @@
 """Networks that are not radial are told, with the place."""
 
 import pytest
-from tests.builders import line, make_scenario, node
 
 from evdash.errors import InputError
+from tests.builders import line, make_scenario, node
 
 NODES = [node("s"), node("a"), node("b"), node("c")]
 TREE = [line("s", "a"), line("a", "b"), line("b", "c")]

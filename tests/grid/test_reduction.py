@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from hypothesis import given
-from tests.builders import PRESETS, line, make_scenario, node, scenarios
 
 from evdash.domain.limits import LimitRows
 from evdash.files.scenario_folder import read_scenario
 from evdash.grid.lindistflow import voltage_pu
 from evdash.grid.radial import radial_feeder
 from evdash.grid.reduction import limit_rows
+from tests.builders import PRESETS, line, make_scenario, node, scenarios
 
 
 def way(**limits):
