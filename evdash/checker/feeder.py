@@ -34,7 +34,7 @@ class FeederCheck:
         self.scenario = scenario
         self.order, self.parent, self.line_of = self._walk()
         self.base = self.sweep(np.zeros(scenario.intervals))
-        self._base_depths = {element: depth for element, depth, _ in self._depths(self.base)}
+        self._base_depths = self._depths(self.base)
 
     def _walk(self) -> tuple[list[str], dict[str, str], dict[str, int]]:
         neighbours: dict[str, list[tuple[str, int]]] = {n.node: [] for n in self.scenario.nodes}
@@ -84,16 +84,18 @@ class FeederCheck:
     def breaches(self, station_kw: Floats) -> list[Breach]:
         """Every limit exceeded in any interval, by the station or by the feeder itself."""
         tolerances = {"pu": TOLERANCE_PU, "kW": TOLERANCE_KW}
+        # paired by position: names of lines may coincide (a to b-c, a-b to c)
+        pairs = zip(self._depths(self.sweep(station_kw)), self._base_depths, strict=True)
         return [
             Breach(
                 interval=int(t),
                 element=element,
                 depth=float(depth[t]),
-                base_depth=float(self._base_depths[element][t]),
+                base_depth=float(base_depth[t]),
                 unit=unit,
                 tolerance=tolerances[unit],
             )
-            for element, depth, unit in self._depths(self.sweep(station_kw))
+            for (element, depth, unit), (_, base_depth, _) in pairs
             for t in np.flatnonzero(depth > tolerances[unit])
         ]
 
@@ -104,7 +106,9 @@ class FeederCheck:
         for node in self.scenario.nodes:
             if node.node == limits.source_node:
                 continue
-            voltage = np.sqrt(np.maximum(0.0, sweep.voltage_sq_pu[node.node]))
+            squared = sweep.voltage_sq_pu[node.node]
+            # the root with its sign, so that charging still worsens a voltage past collapse
+            voltage = np.sign(squared) * np.sqrt(np.abs(squared))
             low, high = limits.voltage_min_pu - voltage, voltage - limits.voltage_max_pu
             depths.append((f"voltage_min:{node.node}", np.maximum(0.0, low), "pu"))
             depths.append((f"voltage_max:{node.node}", np.maximum(0.0, high), "pu"))
