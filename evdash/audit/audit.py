@@ -1,6 +1,7 @@
 """The whole audit of a run folder."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,13 @@ from evdash.audit.station import (
 )
 from evdash.checker.feeder import FeederCheck
 from evdash.domain.breach import Breach
+from evdash.domain.limits import Floats
 from evdash.grid.acbreaches import ac_breaches
 from evdash.grid.acflow import AcResult, ac_flow
+
+LINEAR_STEP_KW = 0.01
+AC_STEP_KW = 5.0
+"""How far beyond a headroom its limit must show as exceeded, above each model's tolerance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +48,10 @@ def audit_run(directory: Path) -> Audit:
         *summary_findings(run),
     ]
     if len(run.intervals) == run.scenario.intervals:
-        findings += limit_findings(run, check)
+        if run.network == "ac":
+            findings += limit_findings(run, partial(_ac_breaches, run, base), AC_STEP_KW)
+        else:
+            findings += limit_findings(run, check.breaches, LINEAR_STEP_KW)
     findings += voltage_findings(run, check, flow)
     return Audit(
         run=run,
@@ -51,3 +60,7 @@ def audit_run(directory: Path) -> Audit:
         feeder_own=tuple(b for b in check.breaches(run.station_kw) if not b.by_station),
         flow=flow,
     )
+
+
+def _ac_breaches(run: RunRecord, base: AcResult, station_kw: Floats) -> tuple[Breach, ...]:
+    return ac_breaches(run.scenario, ac_flow(run.scenario, station_kw), base)

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast, get_args
 
 import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.trace import Network
 from evdash.errors import Fault, InputError
 from evdash.files.folder import read_files
 from evdash.files.run_folder import SCENARIO, SUMMARY, read_run, scenario_hash
@@ -27,6 +29,7 @@ class RunRecord:
 
     scenario: Scenario
     scenario_hash: str
+    network: Network
     summary: dict[str, object]
     intervals: list[IntervalRow]
     vehicles: list[VehicleRow]
@@ -48,6 +51,10 @@ def read_record(directory: Path) -> RunRecord:
     scenario_bytes = read_files(directory / SCENARIO)
     scenario = parse_scenario(scenario_bytes)
     faults: list[Fault] = []
+    network = summary.get("network")
+    if network not in get_args(Network):
+        allowed = f"should be one of {', '.join(get_args(Network))}"
+        faults.append(Fault(f"{SUMMARY}, network", repr(network), allowed))
     if not isinstance(scenario.arrivals, RecordedArrivals):
         faults.append(Fault(f"{SCENARIO}/scenario.toml", "generated arrivals", "need be on file"))
 
@@ -70,6 +77,7 @@ def read_record(directory: Path) -> RunRecord:
     return RunRecord(
         scenario=scenario,
         scenario_hash=scenario_hash(scenario_bytes),
+        network=cast(Network, network),
         summary=summary,
         intervals=intervals,
         vehicles=vehicles,

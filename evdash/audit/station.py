@@ -1,12 +1,13 @@
 """The audit of the station: chargers, limits of the feeder, voltages, totals."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from evdash.audit.record import RunRecord
 from evdash.checker.feeder import FeederCheck
+from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
 from evdash.files.run_tables import IntervalRow
 from evdash.grid.acflow import AcResult
@@ -17,6 +18,7 @@ MONEY = 1e-6
 CENT = 0.01
 MORE = 1.001
 """A headroom is right if this much more of it would break a limit."""
+Breaches = Callable[[Floats], Sequence[Breach]]
 
 
 def station_findings(run: RunRecord) -> Iterator[str]:
@@ -55,9 +57,13 @@ def _proof_findings(t: int, row: IntervalRow) -> Iterator[str]:
             yield f"interval {t}: optimal, yet {row.objective - row.bound:.4f} $ above its bound"
 
 
-def limit_findings(run: RunRecord, check: FeederCheck) -> Iterator[str]:
-    """Limits the station worsened, and headrooms that are not what they say."""
-    for breach in check.breaches(run.station_kw):
+def limit_findings(run: RunRecord, breaches: Breaches, step_kw: float) -> Iterator[str]:
+    """Limits the station worsened, and headrooms that are not what they say.
+
+    `breaches` judges a station power (intervals,) in the run's network model; a limit must
+    show as exceeded `step_kw` and MORE beyond the headroom.
+    """
+    for breach in breaches(run.station_kw):
         if breach.by_station:
             clock = f"{run.scenario.time_of(breach.interval):%H:%M}"
             yield f"{breach.element} exceeded by {breach.depth:.6g} {breach.unit} at {clock}"
@@ -66,9 +72,9 @@ def limit_findings(run: RunRecord, check: FeederCheck) -> Iterator[str]:
     )
     limited = np.isfinite(headroom)
     within = np.where(limited, headroom, 0.0)
-    beyond = np.where(limited, headroom * MORE + CENT, 0.0)
-    too_high = {b.interval for b in check.breaches(within * (1 - 1e-9)) if b.by_station}
-    reached = {(b.interval, b.element) for b in check.breaches(beyond) if b.by_station}
+    beyond = np.where(limited, headroom * MORE + step_kw, 0.0)
+    too_high = {b.interval for b in breaches(within * (1 - 1e-9)) if b.by_station}
+    reached = {(b.interval, b.element) for b in breaches(beyond) if b.by_station}
     for t in np.flatnonzero(limited):
         if int(t) in too_high:
             yield f"interval {t}: a limit is exceeded before the headroom of {headroom[t]:g} kW"

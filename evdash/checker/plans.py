@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from evdash.checker.contracts import Promise, broken_promises, charger_excess
-from evdash.checker.feeder import FeederCheck
 from evdash.domain.plan import Plan
+from evdash.domain.trace import LimitCheck
 from evdash.domain.vehicles import Contract
 
 
-def plan_problems(feeder: FeederCheck, contracts: Sequence[Contract], plan: Plan) -> list[str]:
+def plan_problems(feeder: LimitCheck, contracts: Sequence[Contract], plan: Plan) -> list[str]:
     """Everything a plan breaks, in words; nothing if it may be applied.
 
     `contracts` are the open ones and the newly made, in the order of the plan's rows.

@@ -12,9 +12,10 @@ from rich.markup import escape
 
 from evdash import __version__
 from evdash.cli.audit import audit
-from evdash.cli.run import NETWORKS, POLICIES, run
+from evdash.cli.run import POLICIES, run
 from evdash.cli.validate import validate
 from evdash.errors import EvdashError, InputError
+from evdash.horizon.networks import NETWORKS
 
 DONE, OWN_FAILURE, WRONG_INPUT, BROKEN = 0, 1, 2, 3
 STATUSES = (
@@ -85,9 +86,10 @@ def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     )
     command.add_argument(
         "--network",
-        choices=NETWORKS,
-        default=NETWORKS[0],
-        help=f"model of the feeder that limits are kept in (default: {NETWORKS[0]})",
+        choices=list(NETWORKS),
+        default="lindistflow",
+        help="model of the feeder whose limits are kept: linearised DistFlow as in the paper, "
+        "or full AC power flow (default: lindistflow)",
     )
     command.add_argument(
         "--set",

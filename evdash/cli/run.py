@@ -11,7 +11,7 @@ from evdash.checker.feeder import FeederCheck
 from evdash.cli.report import print_report
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Trace
+from evdash.domain.trace import Network, Trace
 from evdash.files.bundled import DEFAULT
 from evdash.files.overrides import Setting, parse_settings
 from evdash.files.run_export import RunLabel, judge, run_files
@@ -23,7 +23,6 @@ from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
 
 POLICIES: Mapping[str, Callable[[], Policy]] = {"p1": p1_policy}
-NETWORKS = ("lindistflow",)
 BROKEN = 3
 
 
@@ -36,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     if options.seed is not None:
         settings += (Setting("arrivals.seed", options.seed),)
     scenario = read_scenario(options.scenario or DEFAULT, settings)
-    trace = _with_progress(scenario, POLICIES[options.policy]())
+    trace = _with_progress(scenario, options.network, POLICIES[options.policy]())
     breaches = FeederCheck(scenario).breaches(executed_station_kw(trace))
     verdict = judge(trace, breaches)
     label = RunLabel(
@@ -48,11 +47,10 @@ def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         write_run(options.out, run_files(trace, verdict, label))
     print_report(trace, verdict, label, options.out)
-    broken = totals(trace).broken > 0 or any(breach.by_station for breach in breaches)
-    return BROKEN if broken else 0
+    return BROKEN if totals(trace).broken or verdict.broken_by_station(options.network) else 0
 
 
-def _with_progress(scenario: Scenario, policy: Policy) -> Trace:
+def _with_progress(scenario: Scenario, network: Network, policy: Policy) -> Trace:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -66,4 +64,4 @@ def _with_progress(scenario: Scenario, policy: Policy) -> Trace:
             clock = f"{scenario.time_of(trace.now):%H:%M}"
             progress.update(task, completed=trace.now, description=f"deciding {clock}")
 
-        return run_day(start_day(scenario), policy, told)
+        return run_day(start_day(scenario, network), policy, told)

@@ -2,11 +2,27 @@
 
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Literal, Protocol
 
+from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.plan import Plan
 from evdash.domain.scenario import Arrival, Scenario
 from evdash.domain.vehicles import Contract, Request
+
+Network = Literal["lindistflow", "ac"]
+"""The model of the feeder whose limits are kept."""
+
+
+class LimitCheck(Protocol):
+    """A scenario's feeder, ready to be held against its limits in one network model."""
+
+    @property
+    def scenario(self) -> Scenario: ...
+
+    def breaches(self, station_kw: Floats, /) -> list[Breach]:
+        """Every limit exceeded with the station drawing `station_kw` (intervals,)."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,13 +30,14 @@ class Inputs:
     """A scenario made ready: who arrives, what they ask, what the feeder allows.
 
     `requests[k]` take part from interval k; the last group comes after the last interval
-    has begun. Policies never see this: they get a Snapshot.
+    has begun. `rows` are those of `network`. Policies never see this: they get a Snapshot.
     """
 
     scenario: Scenario
     arrivals: tuple[Arrival, ...]
     requests: tuple[tuple[Request, ...], ...]
     rows: LimitRows
+    network: Network = "lindistflow"
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from evdash import __version__
 from evdash.domain.breach import Breach
-from evdash.domain.trace import Trace
+from evdash.domain.trace import Network, Trace
 from evdash.files.run_folder import RUN_FORMAT, SCENARIO, SUMMARY, scenario_hash
 from evdash.files.run_tables import (
     IntervalRow,
@@ -38,7 +38,7 @@ class RunLabel:
     """What a run was made with. `seed` is None where the scenario has none."""
 
     policy: str
-    network: str
+    network: Network
     seed: int | None
     wall_seconds: float
 
@@ -55,6 +55,11 @@ class Verdict:
     ac: tuple[Breach, ...]
     flow: AcResult
     voltage_pu: np.ndarray
+
+    def broken_by_station(self, network: Network) -> tuple[Breach, ...]:
+        """Limits the station worsened in the network model whose limits were to be kept."""
+        breaches = self.ac if network == "ac" else self.linear
+        return tuple(breach for breach in breaches if breach.by_station)
 
     @property
     def worst_voltage_error_pu(self) -> float | None:

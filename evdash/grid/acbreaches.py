@@ -12,10 +12,10 @@ TOLERANCE_KVA = 1e-3
 
 
 def ac_breaches(scenario: Scenario, executed: AcResult, base: AcResult) -> tuple[Breach, ...]:
-    """Voltages and line ratings exceeded in `executed`; `base` is the same without the station.
+    """Voltages and ratings exceeded in `executed`; `base` is the same without the station.
 
-    Both cover the same intervals, from 0 on. Where AC has no solution there is nothing to
-    compare; `AcResult.diverged` tells those intervals.
+    Both cover the same intervals, from 0 on. An interval without an AC solution counts as a
+    limit exceeded, `power_flow:` and the station's node.
     """
     limits = scenario.feeder
     found: list[Breach] = []
@@ -29,7 +29,22 @@ def ac_breaches(scenario: Scenario, executed: AcResult, base: AcResult) -> tuple
         if line.rating_kva is not None:
             over = [result.line_kva[:, i] - line.rating_kva for result in (executed, base)]
             found += _beyond(f"line:{line.name}", over, "kVA", TOLERANCE_KVA)
+    ratings = {node.node: node.rating_kva for node in scenario.nodes}
+    for i, node in enumerate(executed.nodes):
+        rating_kva = ratings[node]
+        if rating_kva is not None:
+            over = [result.node_kva[:, i] - rating_kva for result in (executed, base)]
+            found += _beyond(f"node:{node}", over, "kVA", TOLERANCE_KVA)
+    found += _without_solution(scenario, executed, base)
     return tuple(sorted(found, key=lambda breach: breach.interval))
+
+
+def _without_solution(scenario: Scenario, executed: AcResult, base: AcResult) -> list[Breach]:
+    element, lost = f"power_flow:{scenario.station.node}", set(base.diverged)
+    return [
+        Breach(t, element, 1.0, float(t in lost), "solution missing", 0.0)
+        for t in executed.diverged
+    ]
 
 
 def _beyond(element: str, depths: list[Floats], unit: str, tolerance: float) -> list[Breach]:

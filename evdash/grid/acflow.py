@@ -16,14 +16,15 @@ from evdash.grid.radial import KW_PER_MW, RadialFeeder, radial_feeder
 class AcResult:
     """AC solution per interval; NaN where there is none.
 
-    Shapes: voltage_pu (intervals, nodes), line_kva (intervals, lines), the larger of both
-    ends; losses_kw (intervals,).
+    Shapes: voltage_pu and node_kva, the net injection, (intervals, nodes); line_kva
+    (intervals, lines), the larger of both ends; losses_kw (intervals,).
     """
 
     nodes: tuple[str, ...]
     lines: tuple[str, ...]
     voltage_pu: Floats
     line_kva: Floats
+    node_kva: Floats
     losses_kw: Floats
 
     @property
@@ -50,6 +51,7 @@ def ac_flow(scenario: Scenario, station_kw: Floats, first_interval: int = 0) -> 
         feeder.lines,
         np.full(shape[0], np.nan),
         np.full(shape[1], np.nan),
+        np.hypot(injections.active_kw, injections.reactive_kvar),
         np.full(len(station_kw), np.nan),
     )
     for row in range(len(station_kw)):

@@ -2,19 +2,19 @@
 
 from collections.abc import Callable
 
-from evdash.checker.feeder import FeederCheck
 from evdash.checker.plans import plan_problems
 from evdash.domain.plan import Plan, Policy, Snapshot, SolveReport, energy_cost, tail_plan
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Inputs, Step, Trace
+from evdash.domain.trace import Inputs, LimitCheck, Network, Step, Trace
 from evdash.errors import PowerFlowDiverged, SolverFailure
 from evdash.horizon.advance import advance, contracts_under, initial_state, snapshot_of
 from evdash.horizon.inputs import prepare
+from evdash.horizon.networks import limit_check
 
 
-def start_day(scenario: Scenario) -> Trace:
+def start_day(scenario: Scenario, network: Network = "lindistflow") -> Trace:
     """A day about to begin."""
-    return begin(prepare(scenario))
+    return begin(prepare(scenario, network))
 
 
 def begin(inputs: Inputs) -> Trace:
@@ -24,7 +24,7 @@ def begin(inputs: Inputs) -> Trace:
 
 def run_day(trace: Trace, policy: Policy, on_step: Callable[[Trace], None] | None = None) -> Trace:
     """Step to the end of the horizon, telling `on_step` after every step."""
-    check = FeederCheck(trace.scenario)
+    check = limit_check(trace.inputs)
     while not trace.is_over:
         trace = step(trace, policy, check)
         if on_step is not None:
@@ -32,10 +32,10 @@ def run_day(trace: Trace, policy: Policy, on_step: Callable[[Trace], None] | Non
     return trace
 
 
-def step(trace: Trace, policy: Policy, check: FeederCheck | None = None) -> Trace:
+def step(trace: Trace, policy: Policy, check: LimitCheck | None = None) -> Trace:
     """Decide the interval `trace.now` and carry it out; the trace given stays as it was."""
     inputs, before = trace.inputs, trace.state
-    check = check or FeederCheck(inputs.scenario)
+    check = check or limit_check(inputs)
     snapshot = snapshot_of(inputs, before)
     plan = certified_plan(policy, snapshot, check)
     after = advance(before, plan, snapshot.requests, snapshot.interval_hours)
@@ -43,7 +43,7 @@ def step(trace: Trace, policy: Policy, check: FeederCheck | None = None) -> Trac
     return Trace(inputs=inputs, state=after, steps=(*trace.steps, taken))
 
 
-def certified_plan(policy: Policy, snapshot: Snapshot, check: FeederCheck) -> Plan:
+def certified_plan(policy: Policy, snapshot: Snapshot, check: LimitCheck) -> Plan:
     """The policy's plan if it passes every check, else the last plan's tail, labelled so.
 
     The tail was certified when it was made and inputs are only changed by `revise`, which

@@ -1,16 +1,29 @@
 """Making a scenario ready to run."""
 
+import numpy as np
+
+from evdash.domain.limits import LimitRows
 from evdash.domain.scenario import Arrival, GeneratedArrivals, Scenario
-from evdash.domain.trace import Inputs
+from evdash.domain.trace import Inputs, Network
 from evdash.errors import Fault, InputError
-from evdash.grid.reduction import limit_rows
 from evdash.horizon.arrivals import arrivals_of, renumbered
+from evdash.horizon.networks import NETWORKS
 from evdash.horizon.requests import first_interval, requests_by_interval
 
+FEEDER_PARTS = ("feeder", "nodes", "lines", "interval_minutes", "intervals")
+"""What limits depend on, beside the profile's loads and generation and the station's node."""
 
-def prepare(scenario: Scenario) -> Inputs:
+
+def prepare(scenario: Scenario, network: Network = "lindistflow") -> Inputs:
     """Draw the arrivals, word their requests, reduce the feeder."""
-    return inputs_for(scenario, arrivals_of(scenario))
+    arrivals = arrivals_of(scenario)
+    return Inputs(
+        scenario=scenario,
+        arrivals=arrivals,
+        requests=requests_by_interval(scenario, arrivals),
+        rows=NETWORKS[network].rows(scenario),
+        network=network,
+    )
 
 
 def prepare_from(scenario: Scenario, past: Inputs, now: int) -> Inputs:
@@ -29,8 +42,21 @@ def prepare_from(scenario: Scenario, past: Inputs, now: int) -> Inputs:
         scenario=scenario,
         arrivals=(*came, *coming),
         requests=past.requests[:begin] + requests_by_interval(scenario, coming)[begin:],
-        rows=limit_rows(scenario),
+        rows=_rows_after(scenario, past),
+        network=past.network,
     )
+
+
+def _rows_after(scenario: Scenario, past: Inputs) -> LimitRows:
+    """The rows of before where nothing they depend on has changed, so that they stay to the bit."""
+    before = past.scenario
+    unchanged = (
+        all(getattr(scenario, part) == getattr(before, part) for part in FEEDER_PARTS)
+        and scenario.station.node == before.station.node
+        and np.array_equal(scenario.load_pu, before.load_pu)
+        and np.array_equal(scenario.generation_pu, before.generation_pu)
+    )
+    return past.rows if unchanged else NETWORKS[past.network].rows(scenario)
 
 
 def _refuse_names_twice(came: list[Arrival], coming: list[Arrival]) -> None:
@@ -42,13 +68,3 @@ def _refuse_names_twice(came: list[Arrival], coming: list[Arrival]) -> None:
     ]
     if faults:
         raise InputError(faults)
-
-
-def inputs_for(scenario: Scenario, arrivals: tuple[Arrival, ...]) -> Inputs:
-    """Inputs for arrivals already known."""
-    return Inputs(
-        scenario=scenario,
-        arrivals=arrivals,
-        requests=requests_by_interval(scenario, arrivals),
-        rows=limit_rows(scenario),
-    )

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-from evdash.checker.feeder import FeederCheck
 from evdash.checker.plans import plan_problems
 from evdash.domain.plan import SolveReport, tail_plan
 from evdash.domain.scenario import Scenario
@@ -11,6 +10,7 @@ from evdash.errors import Fault, InputError, SolverFailure
 from evdash.horizon.advance import snapshot_of
 from evdash.horizon.day import start_day
 from evdash.horizon.inputs import prepare_from
+from evdash.horizon.networks import limit_check
 from evdash.scheduling.shortfall import plan_for_contracts
 
 CLOCK = ("start", "interval_minutes", "intervals")
@@ -26,12 +26,12 @@ def revise(trace: Trace, scenario: Scenario) -> Trace:
     clock of a day under way cannot change: InputError.
     """
     if not trace.steps:
-        return start_day(scenario)
+        return start_day(scenario, trace.inputs.network)
     _refuse_other_clock(trace.scenario, scenario)
     inputs = prepare_from(scenario, trace.inputs, trace.now)
     if trace.is_over:
         return replace(trace, inputs=inputs)
-    check = FeederCheck(scenario)
+    check = limit_check(inputs)
     contracts = trace.state.contracts
     snapshot = replace(snapshot_of(inputs, trace.state), requests=())
     tail = tail_plan(snapshot, "", SolveReport("feasible"))

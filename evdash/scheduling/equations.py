@@ -7,6 +7,7 @@ Within a function the paper's letters are used: u, D, P, s, a, c.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 
 import pulp
 
@@ -123,6 +124,8 @@ def feeder_limits(model: Model) -> None:
         coefficient = rows.coefficient[row, STATION]
         for t in model.slots:
             limit = rows.limit_kw[t, row]
+            if not isfinite(limit):
+                continue
             model.lp += coefficient * model.station_kw[t] <= limit, f"limit_{row}_{t}"
 
 
