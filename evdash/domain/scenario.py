@@ -16,6 +16,11 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Fiel
 from evdash.domain.fields import Count, Name, Number, declare, declare_optional
 
 LOCAL_TIME_FORMAT = "%Y-%m-%dT%H:%M"
+FIRST_YEAR, LAST_YEAR = 1900, 2999
+
+# Bounds beyond anything real, so that no computation meets a number it cannot hold.
+LARGE = 1e6
+SMALL = 0.01
 
 
 class Record(BaseModel):
@@ -32,18 +37,27 @@ def _blank_is_none(value: object) -> object:
 
 def _local_time(value: object) -> object:
     """Read `YYYY-MM-DDTHH:MM`; a TOML date-time passes if it names a whole minute."""
+    moment = value
     if isinstance(value, str):
         try:
-            return datetime.strptime(value.strip(), LOCAL_TIME_FORMAT)
+            moment = datetime.strptime(value.strip(), LOCAL_TIME_FORMAT)
         except ValueError:
-            raise ValueError("should be a local time as YYYY-MM-DDTHH:MM") from None
-    if isinstance(value, datetime):
-        if value.tzinfo is not None:
-            raise ValueError("should be a local time without time zone")
-        if value.second or value.microsecond:
-            raise ValueError("should be a whole minute")
-        return value
-    raise ValueError("should be a local time as YYYY-MM-DDTHH:MM")
+            moment = None
+    if not isinstance(moment, datetime):
+        raise ValueError("should be a local time as YYYY-MM-DDTHH:MM")
+    if moment.tzinfo is not None:
+        raise ValueError("should be a local time without time zone")
+    if moment.second or moment.microsecond:
+        raise ValueError("should be a whole minute")
+    if not FIRST_YEAR <= moment.year <= LAST_YEAR:
+        raise ValueError(f"should be in a year from {FIRST_YEAR} to {LAST_YEAR}")
+    return moment
+
+
+def _one(value: object) -> object:
+    if type(value) is not int:  # 1.0 and true equal 1, too
+        raise ValueError("should be 1")
+    return value
 
 
 LocalTime = Annotated[datetime, BeforeValidator(_local_time)]
@@ -59,11 +73,11 @@ class Feeder(Record):
     )
     voltage_min_pu: Number = declare("Lowest voltage allowed at any node", "pu", 0.97, gt=0, lt=1.5)
     voltage_max_pu: Number = declare("Highest voltage allowed at any node", "pu", 1.03, gt=0, lt=2)
-    base_mva: Number = declare("Power base of the per-unit system", "MVA", 5.0, gt=0)
-    base_kv: Number = declare("Nominal voltage, line to line", "kV", 4.16, gt=0)
+    base_mva: Number = declare("Power base of the per-unit system", "MVA", 5.0, ge=0.001, le=LARGE)
+    base_kv: Number = declare("Nominal voltage, line to line", "kV", 4.16, ge=0.1, le=1000)
     load_scale: Number = declare("Factor on every load, kW and kvar", "", 1.0, ge=0, le=100)
     power_factor: Number = declare(
-        "Lagging power factor of loads whose kvar are not given", "", 0.9, gt=0, le=1
+        "Lagging power factor of loads whose kvar are not given", "", 0.9, ge=SMALL, le=1
     )
 
 
@@ -75,9 +89,9 @@ class Station(Record):
         "How many vehicles can charge at the same time", "chargers", 12, ge=0, le=100_000
     )
     min_kw: Number = declare("Lowest power a running charger can hold", "kW", 3.3, ge=0)
-    max_kw: Number = declare("Highest power of a charger", "kW", 19.2, gt=0, le=10_000)
+    max_kw: Number = declare("Highest power of a charger", "kW", 19.2, ge=SMALL, le=10_000)
     efficiency: Number = declare(
-        "Energy into the battery per energy drawn from the grid", "", 0.9, gt=0, le=1
+        "Energy into the battery per energy drawn from the grid", "", 0.9, ge=SMALL, le=1
     )
 
 
@@ -89,7 +103,7 @@ class PriceOption(Record):
         "What the driver pays for a kWh drawn from the grid", "$/kWh", 0.35, ge=0, le=1000
     )
     average_kw: Number = declare(
-        "Average charging power promised; it sets the time of return", "kW", 9.6, gt=0
+        "Average charging power promised; it sets the time of return", "kW", 9.6, ge=SMALL
     )
 
 
@@ -97,17 +111,19 @@ class Node(Record):
     """A row of `nodes.csv`. Loads are peak values, three-phase totals; blank means none."""
 
     node: Name = declare("Name of the node", "", "650")
-    load_kw: OptionalNumber = declare_optional("Peak active load", "kW", ge=0)
+    load_kw: OptionalNumber = declare_optional("Peak active load", "kW", ge=0, le=LARGE)
     load_kvar: OptionalNumber = declare_optional(
-        "Peak reactive load; blank: from the power factor", "kvar"
+        "Peak reactive load; blank: from the power factor", "kvar", ge=-LARGE, le=LARGE
     )
     shunt_kvar: OptionalNumber = declare_optional(
-        "Capacitor, constant power; positive injects", "kvar"
+        "Capacitor, constant power; positive injects", "kvar", ge=-LARGE, le=LARGE
     )
-    generation_kw: OptionalNumber = declare_optional("Peak generation", "kW", ge=0)
-    rating_kva: OptionalNumber = declare_optional("Limit of the node's net injection", "kVA", ge=0)
-    x: OptionalNumber = declare_optional("Drawing position, to the right", "")
-    y: OptionalNumber = declare_optional("Drawing position, upward", "")
+    generation_kw: OptionalNumber = declare_optional("Peak generation", "kW", ge=0, le=LARGE)
+    rating_kva: OptionalNumber = declare_optional(
+        "Limit of the node's net injection", "kVA", ge=0, le=LARGE
+    )
+    x: OptionalNumber = declare_optional("Drawing position, to the right", "", ge=-1e9, le=1e9)
+    y: OptionalNumber = declare_optional("Drawing position, upward", "", ge=-1e9, le=1e9)
 
 
 class Line(Record):
@@ -115,9 +131,11 @@ class Line(Record):
 
     from_node: Name = declare("Node at one end", "", "650")
     to_node: Name = declare("Node at the other end", "", "632")
-    r_ohm: float = declare("Series resistance", "ohm", 0.1, ge=0)
-    x_ohm: float = declare("Series reactance", "ohm", 0.1, ge=0)
-    rating_kva: OptionalNumber = declare_optional("Limit of what flows through it", "kVA", ge=0)
+    r_ohm: float = declare("Series resistance", "ohm", 0.1, ge=0, le=LARGE)
+    x_ohm: float = declare("Series reactance", "ohm", 0.1, ge=0, le=LARGE)
+    rating_kva: OptionalNumber = declare_optional(
+        "Limit of what flows through it", "kVA", ge=0, le=LARGE
+    )
 
     @property
     def name(self) -> str:
@@ -140,9 +158,9 @@ class FleetModel(Record):
     """A row of `fleet.csv`: one vehicle model the generator draws from."""
 
     model: Name = declare("Name of the vehicle model", "", "Leaf")
-    share: float = declare("How often it comes, relative to the others", "", 1.0, ge=0)
-    battery_kwh: float = declare("Usable battery capacity", "kWh", 39.0, gt=0, le=10_000)
-    max_kw: float = declare("On-board charger limit", "kW", 6.6, gt=0)
+    share: float = declare("How often it comes, relative to the others", "", 1.0, ge=0, le=1e9)
+    battery_kwh: float = declare("Usable battery capacity", "kWh", 39.0, ge=0.1, le=10_000)
+    max_kw: float = declare("On-board charger limit", "kW", 6.6, ge=SMALL, le=10_000)
 
 
 class Arrival(Record):
@@ -155,10 +173,13 @@ class Arrival(Record):
         datetime(2020, 7, 15),
     )
     option: Name = declare("Price option the driver chose", "", "C1")
-    battery_kwh: float = declare("Usable battery capacity", "kWh", 60.0, gt=0, le=10_000)
+    battery_kwh: float = declare("Usable battery capacity", "kWh", 60.0, ge=0.1, le=10_000)
     soc_in: float = declare("State of charge on arrival", "0 to 1", 0.4, ge=0, le=1)
     soc_out: float = declare("State of charge wanted on return", "0 to 1", 0.8, ge=0, le=1)
-    max_kw: OptionalNumber = declare_optional("On-board charger limit", "kW", gt=0)
+    max_kw: OptionalNumber = declare_optional("On-board charger limit", "kW", ge=SMALL, le=10_000)
+
+
+BetaParameter = Annotated[Number, Field(ge=SMALL, le=1000)]
 
 
 class ArrivalStatistics(Record):
@@ -167,7 +188,7 @@ class ArrivalStatistics(Record):
     vehicles_per_day: Number = declare(
         "Mean number of vehicles arriving in 24 hours", "vehicles", 100.0, ge=0, le=1_000_000
     )
-    hourly_share: tuple[Annotated[Number, Field(ge=0)], ...] = declare(
+    hourly_share: tuple[Annotated[Number, Field(ge=0, le=1e9)], ...] = declare(
         "Relative share of arrivals in each clock hour, 00 to 23 (scaled to sum 1)",
         "",
         (1.0,) * 24,
@@ -177,7 +198,7 @@ class ArrivalStatistics(Record):
     option_share: dict[str, Annotated[Number, Field(ge=0, le=1)]] = declare(
         "Share of drivers choosing each price option; sum 1", "", {}
     )
-    soc_in_beta: tuple[Annotated[Number, Field(gt=0)], Annotated[Number, Field(gt=0)]] = declare(
+    soc_in_beta: tuple[BetaParameter, BetaParameter] = declare(
         "Beta distribution of the state of charge on arrival, [a, b]", "", (2.3, 1.7)
     )
     soc_out: tuple[
@@ -214,7 +235,9 @@ Arrivals = Annotated[
 class Scenario(Record):
     """A complete day: feeder, station, options, conditions of each interval, arrivals."""
 
-    format: Literal[1] = declare("Version of the scenario form", "", 1)
+    format: Annotated[Literal[1], BeforeValidator(_one)] = declare(
+        "Version of the scenario form", "", 1
+    )
     name: str = declare("Name of the scenario", "", "scenario", min_length=1, max_length=200)
     start: LocalTime = declare("Start of interval 0, local time", "", datetime(2020, 7, 15))
     interval_minutes: Count = declare("Length of an interval", "min", 60, ge=5, le=60)

@@ -19,6 +19,9 @@ from evdash.grid.radial import topology_problems
 
 Place = tuple[str | int, ...]
 SUM_TOLERANCE = 1e-6
+LEAST_OHM = 1e-6
+LEAST_SOC = 1e-4
+"""A wish smaller than this is none, and would be a contract of no interval at all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,11 +129,11 @@ def radial_topology(scenario: Scenario) -> Iterator[Problem]:
 
 def line_impedances(scenario: Scenario) -> Iterator[Problem]:
     for i, line in enumerate(scenario.lines):
-        if line.r_ohm == 0 and line.x_ohm == 0:
+        if max(line.r_ohm, line.x_ohm) < LEAST_OHM:
             yield Problem(
                 (("lines", i, "r_ohm"), ("lines", i, "x_ohm")),
-                "0 ohm, and x_ohm 0",
-                "one of them should be above 0; give a switch a small resistance",
+                f"{line.r_ohm:g} ohm, and x_ohm {line.x_ohm:g}",
+                f"one of them should be at least {LEAST_OHM:g}; a switch has a small resistance",
             )
 
 
@@ -186,11 +189,11 @@ def recorded_arrivals(scenario: Scenario) -> Iterator[Problem]:
                 repr(arrival.option),
                 f"should be one of {', '.join(scenario.options_by_name)}",
             )
-        if arrival.soc_out <= arrival.soc_in:
+        if arrival.soc_out - arrival.soc_in < LEAST_SOC:
             yield Problem(
                 ((*row, "soc_out"), (*row, "soc_in")),
                 f"{arrival.soc_out:g}",
-                f"should be above soc_in, {arrival.soc_in:g}",
+                f"should be above soc_in, {arrival.soc_in:g}, by at least {LEAST_SOC:g}",
             )
 
 

@@ -16,6 +16,7 @@ from pydantic_core import ErrorDetails
 from evdash.domain.scenario import GeneratedArrivals, RecordedArrivals, Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.checks import CHECKS, Place, Problem
+from evdash.files.wording import allowed, found, meaning
 
 Raw = dict[str, Any]
 Where = Callable[[Place], str]
@@ -46,8 +47,8 @@ def validate(raw: Raw, where: Where = dotted, known_faulty: Sequence[Place] = ()
                 place = _place(details["loc"])
                 if not _touches(place, faulty):
                     faults.append(_field_fault(raw, place, details, where))
-                raw = _with_stand_in(raw, place, details["type"])
                 faulty.append(place)
+            raw = _with_stand_ins(raw, error)
     if scenario is not None:
         for problem in (problem for check in CHECKS for problem in check(scenario)):
             if not any(_touches(place, faulty) for place in problem.places):
@@ -58,17 +59,29 @@ def validate(raw: Raw, where: Where = dotted, known_faulty: Sequence[Place] = ()
 
 
 def field_at(place: Place, raw: Mapping[str, Any]) -> FieldInfo | None:
-    """The declaration of the field at a place, or None if there is none."""
-    model: type[BaseModel] | None = Scenario
-    found: FieldInfo | None = None
-    for part in place:
+    """The declaration of the field at a place, or of the field it lies within; None if none."""
+    field, rest, record = _leaf(place, raw)
+    named_rest = [part for part in rest if isinstance(part, str)]
+    return None if named_rest and (field is None or record is not None) else field
+
+
+def _leaf(
+    place: Place, raw: Mapping[str, Any]
+) -> tuple[FieldInfo | None, Place, type[BaseModel] | None]:
+    """The innermost declared field on the way to a place, what of the way lies within it, and
+    the kind of record it holds."""
+    field: FieldInfo | None = None
+    record: type[BaseModel] | None = Scenario
+    rest = place
+    for i, part in enumerate(place):
         if isinstance(part, int):
             continue
-        if model is None or part not in model.model_fields:
-            return found if found is not None and model is None else None
-        found = model.model_fields[part]
-        model = _record_in(found.annotation, raw)
-    return found
+        if record is None or part not in record.model_fields:
+            break
+        field = record.model_fields[part]
+        record = _record_in(field.annotation, raw)
+        rest = place[i + 1 :]
+    return field, rest, record
 
 
 def _record_in(annotation: Any, raw: Mapping[str, Any]) -> type[BaseModel] | None:
@@ -78,7 +91,8 @@ def _record_in(annotation: Any, raw: Mapping[str, Any]) -> type[BaseModel] | Non
     inner = [_record_in(part, raw) for part in get_args(annotation)]
     records = [record for record in inner if record is not None]
     if GeneratedArrivals in records:
-        recorded = "vehicles" in (raw.get("arrivals") or {})
+        arrivals = raw.get("arrivals")
+        recorded = isinstance(arrivals, Mapping) and "vehicles" in arrivals
         return RecordedArrivals if recorded else GeneratedArrivals
     wraps = get_origin(annotation) in (tuple, Union, types.UnionType, Annotated)
     return records[0] if records and wraps else None
@@ -100,18 +114,20 @@ def _told(problem: Problem, where: Where) -> Fault:
 
 
 def _field_fault(raw: Raw, place: Place, details: ErrorDetails, where: Where) -> Fault:
-    kind = details["type"]
-    if kind == "extra_forbidden":
+    if details["type"] == "extra_forbidden":
         owner = _record_at(place[:-1], raw)
-        keys = ", ".join(owner.model_fields) if owner else ""
+        keys = ", ".join(_keys(owner)) if owner else ""
         return Fault(
-            where(place[:-1]) or "top level", f"unknown key {place[-1]!r}", f"keys: {keys}"
+            where(place[:-1]) or "top level", f"unknown key {place[-1]!r}", f"keys are {keys}"
         )
-    message = str(details["msg"]).removeprefix("Value error, ").replace("Input should", "should")
-    message = message[:1].lower() + message[1:]
-    if kind == "missing":
-        return Fault(where(place), "nothing", "is required" + _meaning(place, raw))
-    return Fault(where(place), _shown(details["input"]), message + _meaning(place, raw))
+    return Fault(where(place), found(details), allowed(details) + meaning(field_at(place, raw)))
+
+
+def _keys(record: type[BaseModel]) -> list[str]:
+    """The keys of a record as scenario.toml has them: tables are files of their own."""
+    in_files = {"nodes", "lines", "profile"} if record is Scenario else set()
+    names = [name for name in record.model_fields if name not in in_files]
+    return ["file" if name == "vehicles" else name for name in names]
 
 
 def _record_at(place: Place, raw: Raw) -> type[BaseModel] | None:
@@ -121,45 +137,49 @@ def _record_at(place: Place, raw: Raw) -> type[BaseModel] | None:
     return _record_in(field.annotation, raw) if field else None
 
 
-def _meaning(place: Place, raw: Raw) -> str:
-    field = field_at(place, raw)
-    if field is None or not field.description:
-        return ""
-    extra = field.json_schema_extra
-    unit = extra.get("unit") if isinstance(extra, dict) else ""
-    return f" ({field.description}{f', {unit}' if unit else ''})"
+def _with_stand_ins(raw: Raw, error: ValidationError) -> Raw:
+    """`raw` with every faulty field exchanged for an example and every unknown key taken out."""
+    repaired = raw
+    for details in error.errors(include_url=False):
+        place = _place(details["loc"])
+        if details["type"] == "extra_forbidden":
+            repaired = _replaced(repaired, place, _TAKEN_OUT)
+            continue
+        field, rest, record = _leaf(place, raw)
+        if field is None:
+            continue
+        within = rest[:1] if record is not None else ()  # one record of a list, or all of it
+        example = _example_record(record) if within and record else _example(field, record)
+        named = place[: len(place) - len(rest)] + within
+        repaired = _replaced(repaired, named, example)
+    return repaired
 
 
-def _shown(value: object) -> str:
-    if value is None or value == "":
-        return "a blank"
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "…"
+def _example(field: FieldInfo, record: type[BaseModel] | None) -> Any:
+    if record is None:
+        return field.examples[0] if field.examples else None
+    if get_origin(field.annotation) is not tuple:
+        return _example_record(record)
+    shortest = max((getattr(m, "min_length", 0) or 0 for m in field.metadata), default=0)
+    return [_example_record(record)] * shortest
 
 
-def _with_stand_in(raw: Any, place: Place, kind: str) -> Any:
-    """`raw` with the faulty value at `place` taken out or exchanged for its field's example."""
-    if kind == "extra_forbidden":
-        return _replaced(raw, place, None, drop=True)
-    named = place
-    while named and (field := field_at(named, raw)) is None:
-        named = named[:-1]
-    if not named:
-        return raw
-    if isinstance(named[-1], int):
-        return _replaced(raw, named, None, drop=True)
-    if field is not None and field.examples:
-        return _replaced(raw, named, field.examples[0], drop=False)
-    record = _record_in(field.annotation, raw) if field else None
-    return _replaced(raw, named, {} if record else None, drop=False)
+def _example_record(record: type[BaseModel]) -> Raw:
+    return {
+        name: _example(field, _record_in(field.annotation, {}))
+        for name, field in record.model_fields.items()
+    }
 
 
-def _replaced(node: Any, place: Place, value: Any, *, drop: bool) -> Any:
+_TAKEN_OUT = object()
+
+
+def _replaced(node: Any, place: Place, value: Any) -> Any:
     head, rest = place[0], place[1:]
     copy: Any = dict(node) if isinstance(node, Mapping) else list(node)
     if rest:
-        copy[head] = _replaced(copy[head], rest, value, drop=drop)
-    elif drop:
+        copy[head] = _replaced(copy[head], rest, value)
+    elif value is _TAKEN_OUT:
         del copy[head]
     else:
         copy[head] = value
