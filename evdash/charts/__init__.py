@@ -1,1 +1,1 @@
-"""Pictures of a day: pure functions from a trace to figures."""
+"""Pure functions from what a trace says to Plotly figures as plain dicts."""

@@ -1,0 +1,100 @@
+"""AC power flow of what was executed, found in the background: it takes seconds to load.
+
+One worker for the whole server; what it found is kept, bounded, and shared by all sessions.
+"""
+
+import gc
+import queue
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Hashable
+
+from evdash.domain.scenario import Scenario
+from evdash.domain.trace import Step, Trace
+from evdash.metrics.ac import AcNetwork, AcPoint
+
+MOST_RESULTS = 5_000
+MOST_NETWORKS = 4
+FIRST_PAGE_SECONDS = 1.0
+"""Loading waits so long after the first page asked, so that its browser is served first."""
+
+
+class Referee:
+    """Finds the AC state of executed intervals, one after the other, in a thread of its own."""
+
+    def __init__(self) -> None:
+        self._found: OrderedDict[Hashable, AcPoint] = OrderedDict()
+        self._asked: set[Hashable] = set()
+        self._queue: queue.SimpleQueue[tuple[Hashable, Step]] = queue.SimpleQueue()
+        self._networks: OrderedDict[Hashable, AcNetwork] = OrderedDict()
+        self._lock = threading.Lock()
+        self._worker: threading.Thread | None = None
+        self.is_ready = False
+
+    def findings(self, trace: Trace, patience_seconds: float = 0.0) -> dict[int, AcPoint]:
+        """What is known of the executed intervals; the rest is asked for and comes later.
+
+        Waits up to `patience_seconds` for it, but never for the power flow to load.
+        """
+        keys = {step.interval: _key(step) for step in trace.steps}
+        with self._lock:
+            for step in trace.steps:
+                key = keys[step.interval]
+                if key not in self._found and key not in self._asked:
+                    self._asked.add(key)
+                    self._queue.put((key, step))
+            if self._asked and self._worker is None:
+                self._worker = threading.Thread(target=self._work, name="ac", daemon=True)
+                self._worker.start()
+        until = time.monotonic() + (patience_seconds if self.is_ready else 0.0)
+        while True:
+            with self._lock:
+                known = {t: self._found[key] for t, key in keys.items() if key in self._found}
+            if len(known) == len(keys) or time.monotonic() >= until:
+                return known
+            time.sleep(0.005)
+
+    def _work(self) -> None:
+        time.sleep(FIRST_PAGE_SECONDS)
+        while True:
+            key, step = self._queue.get()
+            finding = self._find(step)
+            with self._lock:
+                self._found[key] = finding
+                self._asked.discard(key)
+                while len(self._found) > MOST_RESULTS:
+                    self._found.popitem(last=False)
+
+    def _find(self, step: Step) -> AcPoint:
+        scenario = step.inputs.scenario
+        point = self._network(scenario).point(scenario, step.interval, step.station_kw)
+        if not self.is_ready:
+            self.is_ready = True
+            gc.freeze()  # what the power flow brought along lives as long as the server
+        return point
+
+    def _network(self, scenario: Scenario) -> AcNetwork:
+        key = _feeder_key(scenario)
+        if key not in self._networks:
+            self._networks[key] = AcNetwork(scenario)
+            while len(self._networks) > MOST_NETWORKS:
+                self._networks.popitem(last=False)
+        return self._networks[key]
+
+
+def _feeder_key(scenario: Scenario) -> Hashable:
+    return scenario.feeder, scenario.nodes, scenario.lines
+
+
+def _key(step: Step) -> Hashable:
+    """All that an interval's AC state depends on."""
+    scenario = step.inputs.scenario
+    row = scenario.profile[step.interval]
+    station_kw = round(step.station_kw, 9)
+    feeder = hash(_feeder_key(scenario))
+    return feeder, scenario.station.node, row.load_pu, row.generation_pu, station_kw, step.interval
+
+
+referee = Referee()
+"""The referee of this server."""

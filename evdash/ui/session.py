@@ -1,0 +1,114 @@
+"""What one browser tab owns: its run, replaced whole under a lock, and what it has drawn."""
+
+import threading
+from collections.abc import Callable, Hashable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+import streamlit as st
+
+from evdash.domain.scenario import Scenario
+from evdash.domain.trace import Trace
+from evdash.files.bundled import DEFAULT, bundled_scenarios
+from evdash.files.scenario_folder import read_scenario
+from evdash.ui import run as runs
+from evdash.ui.run import Run
+from evdash.ui.solving import policy
+
+Mode = Literal["idle", "playing", "finishing"]
+T = TypeVar("T")
+KEY = "evdash"
+
+
+class Session:
+    """A tab's run and how it is being driven.
+
+    Streamlit aborts a running script at its next call when somebody clicks again. So every
+    change is a pure function from run to run and one assignment, without a Streamlit call in
+    between, and the lock lets one change follow the other: a click is neither lost nor
+    half done.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self.mode: Mode = "idle"
+        self.shown: dict[str, object] = {}
+        self.price_base: tuple[float, ...] = ()
+        self.price_latest: tuple[float, ...] = ()
+        self.price_revision = 0
+        self._lock = threading.Lock()
+        self._drawn: dict[str, tuple[Trace, Hashable, Any]] = {}
+
+    def _change(self, change: Callable[[Run], Run]) -> None:
+        with self._lock:
+            self.run = change(self.run)
+            if self.run.trace.is_over:
+                self.mode = "idle"
+
+    def step(self) -> None:
+        """Decide one interval."""
+        self._change(lambda run: runs.stepped(run, policy))
+
+    def back(self) -> None:
+        """Undo the last step."""
+        self.mode = "idle"
+        self._change(runs.stepped_back)
+
+    def reset(self) -> None:
+        """Return to the start of the day."""
+        self.mode = "idle"
+        self._change(runs.restarted)
+
+    def restore(self) -> None:
+        """Return to the settings of the preset."""
+        self._change(runs.restored)
+
+    def set_mode(self, mode: Mode) -> None:
+        """Play, run to the end, or stop doing so."""
+        self.mode = mode
+
+    def edit(
+        self,
+        title: str,
+        settings: Mapping[str, object],
+        price_per_kwh: tuple[float, ...] | None = None,
+    ) -> None:
+        """Change settings from now on."""
+        self._change(lambda run: runs.edited(run, title, settings, price_per_kwh))
+
+    def open(self, folder: Path) -> None:
+        """Open another scenario."""
+        self.mode = "idle"
+        self._change(lambda _: runs.open_run(folder, bundled(folder)))
+
+    def once(self, name: str, make: Callable[[], T], detail: Hashable = None) -> T:
+        """What `make` gives, made anew only for another trace or detail; the last is kept."""
+        trace = self.run.trace
+        known = self._drawn.get(name)
+        if known is None or known[0] is not trace or known[1] != detail:
+            known = (trace, detail, make())
+            self._drawn[name] = known
+        made: T = known[2]
+        return made
+
+
+@lru_cache(maxsize=32)
+def bundled(folder: Path) -> Scenario:
+    """A bundled scenario, read once."""
+    return read_scenario(folder)
+
+
+@lru_cache(maxsize=1)
+def bundled_names() -> dict[str, Path]:
+    """Folder of every bundled scenario by its folder's name, the default first."""
+    return {folder.name: folder for folder in bundled_scenarios()}
+
+
+def current() -> Session:
+    """This tab's session, begun on the default scenario or the one the address names."""
+    if KEY not in st.session_state:
+        folder = bundled_names().get(st.query_params.get("preset", ""), DEFAULT)
+        st.session_state[KEY] = Session(runs.open_run(folder, bundled(folder)))
+    session: Session = st.session_state[KEY]
+    return session

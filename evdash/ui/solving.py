@@ -1,0 +1,73 @@
+"""One optimiser for everyone on this server: fair turns, and nothing solved twice."""
+
+import hashlib
+import pickle
+import threading
+from collections import OrderedDict, deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from evdash.domain.plan import Plan, Policy, Snapshot
+from evdash.scheduling.p1 import p1_policy
+
+SLOTS = 2
+MOST_PLANS = 2_000
+
+
+class Turns:
+    """Lets so many in at a time, first come first served, so that nobody's run starves others."""
+
+    def __init__(self, slots: int) -> None:
+        self._free = slots
+        self._waiting: deque[threading.Event] = deque()
+        self._lock = threading.Lock()
+
+    @contextmanager
+    def one(self) -> Iterator[None]:
+        """Wait for a turn, and give it to the next in line afterwards."""
+        with self._lock:
+            ticket = threading.Event()
+            if self._free > 0:
+                self._free -= 1
+                ticket.set()
+            else:
+                self._waiting.append(ticket)
+        ticket.wait()
+        try:
+            yield
+        finally:
+            with self._lock:
+                if self._waiting:
+                    self._waiting.popleft().set()
+                else:
+                    self._free += 1
+
+
+def shared(policy: Policy, turns: Turns, most_plans: int = MOST_PLANS) -> Policy:
+    """The policy taking turns and remembering its latest plans.
+
+    A snapshot decides its plan, so a class stepping the same scenario solves it once, and
+    going back and forth shows the same plan again.
+    """
+    plans: OrderedDict[bytes, Plan] = OrderedDict()
+    lock = threading.Lock()
+
+    def remembered(snapshot: Snapshot) -> Plan:
+        key = hashlib.blake2b(pickle.dumps(snapshot), digest_size=20).digest()
+        with lock:
+            if key in plans:
+                plans.move_to_end(key)
+                return plans[key]
+        with turns.one():
+            plan = policy(snapshot)
+        with lock:
+            plans[key] = plan
+            while len(plans) > most_plans:
+                plans.popitem(last=False)
+        return plan
+
+    return remembered
+
+
+policy: Policy = shared(p1_policy(), Turns(SLOTS))
+"""The paper's policy, shared by all sessions of this server."""

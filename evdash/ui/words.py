@@ -1,0 +1,213 @@
+"""What a run says in plain words. Text for Streamlit's Markdown; user text is escaped."""
+
+import math
+import re
+import string
+from collections import defaultdict
+from datetime import datetime
+
+import numpy as np
+
+from evdash.domain.breach import Breach
+from evdash.domain.outlook import Outlook
+from evdash.domain.plan import SolveReport
+from evdash.domain.scenario import Scenario
+from evdash.domain.trace import Step, Trace
+from evdash.metrics.totals import Totals
+
+_PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
+CENTS = 100
+
+
+def plain(text: str) -> str:
+    """User text as Markdown shows it unchanged: no formatting, no links, no formulas."""
+    return _PUNCTUATION.sub(r"\\\1", text)
+
+
+def money(usd: float) -> str:
+    """An amount, `$1,234.50`; the dollar sign escaped, or Markdown would set a formula."""
+    return f"{'−' if round(usd, 2) < 0 else ''}\\${abs(usd):,.2f}"
+
+
+def clock(moment: datetime, outlook: Outlook) -> str:
+    """A clock time, with the date where the day crosses midnight."""
+    return moment.strftime("%H:%M, %d %b" if outlook.crosses_midnight else "%H:%M")
+
+
+def counted(number: int, one: str, many: str | None = None) -> str:
+    """A number with its noun, `1 vehicle`, `3 vehicles`."""
+    return f"{number:,} {one if number == 1 else many or one + 's'}"
+
+
+def element_words(element: str, scenario: Scenario) -> str:
+    """A binding element as a person would name it."""
+    kind, _, name = element.partition(":")
+    name = name.removesuffix(":export")
+    if kind == "voltage_min":
+        limit = scenario.feeder.voltage_min_pu
+        return f"the lowest voltage allowed at node {plain(name)} ({limit:g} pu)"
+    if kind == "voltage_max":
+        limit = scenario.feeder.voltage_max_pu
+        return f"the highest voltage allowed at node {plain(name)} ({limit:g} pu)"
+    if kind == "node":
+        rating = next((n.rating_kva for n in scenario.nodes if n.node == name), None)
+        return f"the rating of node {plain(name)} ({rating or 0:g} kVA)"
+    line = next((line for line in scenario.lines if line.name == name), None)
+    if line is None:
+        return plain(name)
+    ends = f"{plain(line.from_node)}–{plain(line.to_node)}"
+    return f"line or transformer {ends} ({line.rating_kva or 0:g} kVA)"
+
+
+def element_name(element: str) -> str:
+    """A binding element in a few words, not escaped: for cells of a table."""
+    kind, _, name = element.partition(":")
+    words = {"voltage_min": "voltage at", "voltage_max": "voltage at", "node": "rating of node"}
+    return f"{words.get(kind, 'line or transformer')} {name}" if element else "nothing"
+
+
+def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
+    """The run so far and what is ahead, in a sentence or two."""
+    if not trace.steps:
+        return f"**The day is about to begin.** {_limit_ahead(trace, outlook)}"
+    admitted = f"**{totals.admitted:,} of {counted(totals.arrived, 'PEV')} admitted**"
+    if trace.is_over:
+        kept = (
+            "every one charged in full and on time"
+            if not totals.broken
+            else f":red[{counted(totals.broken, 'contract')} broken]"
+        )
+        return (
+            f"**The day is over:** {admitted}, {kept}; {totals.energy_delivered_kwh:,.0f} kWh "
+            f"delivered for a profit of {money(totals.profit)}. {_tightest_behind(trace, outlook)}"
+        )
+    charging = int(trace.steps[-1].plan.charging[0])
+    return f"{admitted}, {charging} charging. {_limit_ahead(trace, outlook)}"
+
+
+def _limit_ahead(trace: Trace, outlook: Outlook) -> str:
+    ahead = outlook.headroom_kw[outlook.now :]
+    if not np.isfinite(ahead).any():
+        return "The feeder sets no limit to charging."
+    t = outlook.now + int(ahead.argmin())
+    element = element_words(outlook.binding[t], trace.scenario)
+    when = f"**{clock(outlook.times[t], outlook)}**"
+    room = f"{outlook.headroom_kw[t]:,.0f} kW left for charging"
+    if t == outlook.now:
+        return f"{_capital(element)} is the tightest limit, and now is its tightest hour: {room}."
+    return f"{_capital(element)} is the tightest limit; {when} will be its tightest hour, {room}."
+
+
+def _tightest_behind(trace: Trace, outlook: Outlook) -> str:
+    if not np.isfinite(outlook.headroom_kw).any():
+        return ""
+    t = int(outlook.headroom_kw.argmin())
+    element = element_words(outlook.binding[t], trace.scenario)
+    return (
+        f"{_capital(element)} was the tightest limit: at {clock(outlook.times[t], outlook)} it "
+        f"left {outlook.headroom_kw[t]:,.0f} kW."
+    )
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def decision_title(step: Step, outlook: Outlook) -> str:
+    """Which interval was decided."""
+    begin, end = outlook.times[step.interval], outlook.times[step.interval + 1]
+    return f"Decided for {begin:%H:%M}–{clock(end, outlook)}"
+
+
+def decision_lines(step: Step, outlook: Outlook) -> list[str]:
+    """What the optimiser decided in a step: who, why not, what limits, how sure it is."""
+    plan = step.plan
+    asked = len(step.requests)
+    if not asked:
+        lines = ["Nobody asked for a charge."]
+    else:
+        lines = [
+            f"**{counted(asked, 'vehicle')} asked:** {len(plan.admitted)} admitted, "
+            f"{len(plan.refused)} refused."
+        ]
+    for reason, vehicles in _by_reason(step).items():
+        lines.append(f"Refused {_listed(vehicles)}: {plain(reason)}.")
+    lines.append(
+        f"**{int(plan.charging[0])} charging** with {step.station_kw:,.1f} kW in all"
+        + _of_headroom(step, outlook)
+    )
+    lines.append(quality(plan.report))
+    return lines
+
+
+def _by_reason(step: Step) -> dict[str, list[str]]:
+    reasons: dict[str, list[str]] = defaultdict(list)
+    for refusal in step.plan.refused:
+        reasons[refusal.reason].append(refusal.vehicle)
+    return reasons
+
+
+def _listed(vehicles: list[str], most: int = 6) -> str:
+    named = ", ".join(plain(vehicle) for vehicle in vehicles[:most])
+    rest = len(vehicles) - most
+    return f"{named} and {rest} more" if rest > 0 else named
+
+
+def _of_headroom(step: Step, outlook: Outlook) -> str:
+    headroom = outlook.headroom_kw[step.interval]
+    if not math.isfinite(headroom):
+        return "; the feeder sets no limit."
+    element = element_words(outlook.binding[step.interval], step.inputs.scenario)
+    return f"; the feeder leaves room for {headroom:,.0f} kW, limited by {element}."
+
+
+def quality(report: SolveReport) -> str:
+    """How good the plan is known to be, in plain words."""
+    if report.status == "fallback":
+        why = f" ({plain(report.note)})" if report.note else ""
+        return (
+            f":orange[Kept the previous plan] and admitted nobody new: the optimiser had none in "
+            f"time{why}. Every contract stands."
+        )
+    seconds = f"{report.seconds:.2f} s" if report.seconds >= 0.005 else "a few milliseconds"
+    if report.objective is None:
+        return f"Decided in {seconds}."
+    if report.bound is None:
+        return f"A plan that keeps every promise; how far from the best is not proven. {seconds}."
+    gap_usd = max(0.0, report.objective - report.bound)
+    if report.status == "optimal":
+        return f"**Proven optimal to within 1 cent**; found in {seconds}."
+    return f"**At most {money(gap_usd)} from the best possible**; stopped after {seconds}."
+
+
+def ac_lines(breaches: list[Breach], scenario: Scenario, outlook: Outlook) -> list[str]:
+    """Limits exceeded in AC, worst first: how far, how long, and whose doing it is."""
+    by_element: dict[str, list[Breach]] = defaultdict(list)
+    for breach in breaches:
+        by_element[breach.element].append(breach)
+    told = sorted(by_element.items(), key=lambda item: -_relative(item[1], scenario))
+    return [_breach_words(element, found, scenario, outlook) for element, found in told]
+
+
+def _relative(found: list[Breach], scenario: Scenario) -> float:
+    """Depth on a scale that compares volts and ratings."""
+    deepest = max(found, key=lambda breach: breach.depth)
+    return deepest.depth if deepest.unit == "pu" else deepest.depth / 1000
+
+
+def _breach_words(element: str, found: list[Breach], scenario: Scenario, outlook: Outlook) -> str:
+    worst = max(found, key=lambda breach: breach.depth)
+    depth = f"{worst.depth:.4f} pu" if worst.unit == "pu" else f"{worst.depth:,.1f} {worst.unit}"
+    beyond = "below" if element.startswith("voltage_min") else "above"
+    when = f"worst at {clock(outlook.times[worst.interval], outlook)}"
+    by_station = sum(breach.by_station for breach in found)
+    if by_station == 0:
+        cause = "the feeder's own doing, with or without charging"
+    elif all(breach.base_depth == 0 for breach in found):
+        cause = "caused by the station: without charging the limit holds"
+    else:
+        cause = "worsened by the station, though partly the feeder's own"
+    return (
+        f"{depth} {beyond} {element_words(element, scenario)} in "
+        f"{counted(len(found), 'interval')}, {when}: {cause}."
+    )
