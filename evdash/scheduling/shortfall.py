@@ -10,7 +10,7 @@ from evdash.errors import ImpossibleCommitments, Shortfall, SolverFailure
 from evdash.scheduling.clean import cleaned
 from evdash.scheduling.equations import LEAST_SHORTFALL, build
 from evdash.scheduling.problem import contracts_problem
-from evdash.scheduling.reference import power_of, values
+from evdash.scheduling.reference import minimise_with_highs, power_of, values
 
 SECONDS = 20.0
 
@@ -25,9 +25,7 @@ def plan_for_contracts(snapshot: Snapshot) -> Floats:
     if problem.n_vehicles == 0:
         return problem.tail_kw
     model = build(problem, LEAST_SHORTFALL, "least_shortfall")
-    model.lp.solve(
-        pulp.HiGHS(msg=False, timeLimit=SECONDS, gapRel=0.0, gapAbs=0.0, threads=1, random_seed=0)
-    )
+    minimise_with_highs(model, SECONDS, absolute_gap=0.0)
     if model.lp.sol_status != pulp.LpSolutionOptimal:
         raise SolverFailure("whether the contracts can be kept could not be decided in time")
     short = values(model.short_kwh)

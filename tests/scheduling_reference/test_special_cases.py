@@ -8,7 +8,7 @@ from evdash.horizon.advance import snapshot_of
 from evdash.horizon.day import run_day, start_day, step
 from evdash.scheduling.p1 import p1_policy
 from evdash.scheduling.reference import solve_reference
-from tests.builders import make_scenario, vehicle
+from tests.builders import generator, make_scenario, vehicle
 from tests.horizon.days import with_headroom
 
 P1 = p1_policy(solve_reference)
@@ -163,3 +163,13 @@ def test_the_tail_of_a_plan_is_feasible_for_the_next_to_the_last_bit():
             [c.owed_kwh for c in alone.contracts], alone.tail_kw.sum(axis=1), atol=1e-9
         )
         assert taken.plan.report.status == "optimal"
+
+
+def test_an_interval_that_highs_presolve_calls_infeasible_is_solved_all_the_same():
+    """Interval 7 of this day: four contracts without slack, whose tail is feasible to the bit."""
+    day = make_scenario(price=[0.1] * 12, arrivals=generator(vehicles_per_day=300.0))
+    trace = run_day(start_day(day), P1)
+    assert [s.plan.report.status for s in trace.steps] == ["optimal"] * 12
+    snapshot = snapshot_of(trace.inputs, trace.steps[7].before)
+    tail_cost = float(snapshot.price_per_kwh @ snapshot.tail_kw.sum(axis=0))
+    assert trace.steps[7].plan.report.objective <= tail_cost + 1e-9
