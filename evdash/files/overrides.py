@@ -43,7 +43,7 @@ def is_text_key(key: str) -> bool:
 def _as_toml(text: str) -> object:
     try:
         read = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
     return read["value"] if list(read) == ["value"] else text
 
@@ -64,6 +64,9 @@ def apply_settings(raw: Raw, settings: Sequence[Setting]) -> tuple[Raw, list[Fau
 
 def _path(raw: Raw, key: str) -> Place:
     parts = key.split(".")
+    if "option_share" in parts[:-1]:
+        table = parts[: parts.index("option_share") + 1]
+        return (*table, ".".join(parts[len(table) :]))  # names of options may have dots
     if parts[0] != "option" or len(parts) == 1:
         return tuple(parts)
     name, field = ".".join(parts[1:-1]), parts[-1]

@@ -10,6 +10,7 @@ from evdash.domain.scenario import LOCAL_TIME_FORMAT, LocalTime, OptionalNumber,
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.files.tables import read_table, write_table
+from evdash.files.wording import allowed, found
 from evdash.metrics.records import executed_power, interval_records, vehicle_records
 
 OptionalCount = Annotated[int | None, BeforeValidator(lambda value: None if value == "" else value)]
@@ -128,12 +129,12 @@ def parse_rows(name: str, content: bytes, record: type[Row]) -> list[Row]:
     table, faults = read_table(name, content, record)
     rows: list[Row] = []
     if table is not None:
-        for cells, line in zip(table.rows, table.line_numbers, strict=True):
+        for cells, number in zip(table.rows, table.row_numbers, strict=True):
             try:
                 rows.append(record.model_validate(cells))
             except ValidationError as error:
                 faults += [
-                    Fault(f"{name}, row {line}, column {e['loc'][0]}", repr(e["input"]), e["msg"])
+                    Fault(f"{name}, row {number}, column {e['loc'][0]}", found(e), allowed(e))
                     for e in error.errors(include_url=False)
                 ]
     if faults:

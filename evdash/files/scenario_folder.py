@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import tomlkit
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from evdash.domain.scenario import (
     LOCAL_TIME_FORMAT,
@@ -17,6 +17,7 @@ from evdash.domain.scenario import (
     FleetModel,
     GeneratedArrivals,
     Line,
+    LocalTime,
     Node,
     ProfileRow,
     RecordedArrivals,
@@ -28,6 +29,7 @@ from evdash.files.folder import read_files
 from evdash.files.overrides import Setting, apply_settings
 from evdash.files.tables import decode, read_table, write_table
 from evdash.files.validate import Raw, dotted, validate
+from evdash.files.wording import shown
 
 SETTINGS = "scenario.toml"
 TABLES: dict[str, type[BaseModel]] = {"nodes": Node, "lines": Line, "profile": ProfileRow}
@@ -57,14 +59,14 @@ class _Reader:
         self.faults: list[Fault] = []
         self.faulty: list[Place] = []
         self.used = {SETTINGS, "README.md"}
+        self.all_named = True
         self.file_of: dict[Place, str] = {}
-        self.lines_of: dict[Place, list[int]] = {}
+        self.rows_of: dict[Place, list[int]] = {}
         self.options: list[Any] = []
 
     def scenario(self, settings: tuple[Setting, ...]) -> Scenario:
         raw = self._settings(settings)
         if raw is None:
-            self._unknown_files()
             raise InputError(self.faults)
         for name, record in TABLES.items():
             self._refuse_key(raw, name)
@@ -88,18 +90,21 @@ class _Reader:
                 rest = place[len(table) :]
                 if not rest:
                     return file
-                row = self.lines_of[table][int(rest[0])]
+                row = self.rows_of[table][int(rest[0])]
                 return f"{file}, row {row}" + (f", column {rest[1]}" if len(rest) > 1 else "")
         if len(place) > 1 and place[0] == "option" and isinstance(place[1], int):
             option = self.options[place[1]] if place[1] < len(self.options) else None
             name = option.get("name") if isinstance(option, dict) else None
             label = name if isinstance(name, str) and name else f"{place[1] + 1}"
             place = ("option", label, *place[2:])
+        *key, last = place or ("",)
+        if isinstance(last, int) and key != ["option"]:  # within a list such as hourly_share
+            return f"{SETTINGS}, {dotted(tuple(key))}, entry {last + 1}"
         return f"{SETTINGS}, {dotted(place)}" if place else SETTINGS
 
     def _settings(self, settings: tuple[Setting, ...]) -> Raw | None:
         if SETTINGS not in self.files:
-            self.faults.append(Fault(SETTINGS, "no such file", "is required"))
+            self.faults.append(Fault(SETTINGS, "no such file", "should be there"))
             return None
         text, faults = decode(SETTINGS, self.files[SETTINGS])
         self.faults += faults
@@ -107,8 +112,10 @@ class _Reader:
             return None
         try:
             raw = tomllib.loads(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            self.faults.append(Fault(SETTINGS, f"text that is not TOML ({error})", "must be TOML"))
+        except (ValueError, RecursionError) as error:  # a number of too many digits: ValueError
+            self.faults.append(
+                Fault(SETTINGS, f"text that is not TOML ({error})", "should be TOML")
+            )
             return None
         raw, faults = apply_settings(raw, settings)
         self.faults += faults
@@ -122,9 +129,9 @@ class _Reader:
         """The rows of a table; none, and its place marked faulty, where it cannot be read."""
         self.used.add(file)
         self.file_of[place] = file
-        self.lines_of[place] = []
+        self.rows_of[place] = []
         if file not in self.files:
-            self.faults.append(Fault(file, "no such file", "is required"))
+            self.faults.append(Fault(file, "no such file", "should be there"))
             self.faulty.append(place)
             return []
         table, faults = read_table(file, self.files[file], record)
@@ -132,12 +139,13 @@ class _Reader:
         if table is None:
             self.faulty.append(place)
             return []
-        self.lines_of[place] = table.line_numbers
+        self.rows_of[place] = table.row_numbers
         return list(table.rows)
 
     def _arrivals(self, raw: Raw) -> None:
         arrivals = raw.get("arrivals")
         if not isinstance(arrivals, dict):
+            self.all_named = False
             return  # told by validation
         if "vehicles" in arrivals:
             self.faults.append(
@@ -159,33 +167,35 @@ class _Reader:
 
     def _with_fleet(self, where: Place, statistics: Raw) -> Raw:
         if "fleet" not in statistics:
+            self.all_named = False
             return statistics
         file = self._file_name((*where, "fleet"), statistics["fleet"])
         rows = self._table((*where, "fleet"), file, FleetModel) if file else []
         return statistics | {"fleet": rows}
 
     def _file_name(self, place: Place, value: object) -> str | None:
-        if isinstance(value, str) and value and value not in (SETTINGS, "README.md"):
-            return value
+        is_name = isinstance(value, str) and value.strip() == value != ""
+        if is_name and value not in self.used:
+            return str(value)
+        self.all_named = False
         self.faulty.append(place)
-        self.faults.append(
-            Fault(f"{SETTINGS}, {dotted(place)}", repr(value), "should be a CSV file's name")
-        )
+        rule = "should be the name of a CSV file" + (" of its own" if is_name else "")
+        self.faults.append(Fault(f"{SETTINGS}, {dotted(place)}", shown(value), rule))
         return None
 
     def _start(self, raw: Raw) -> datetime:
-        start = raw.get("start")
-        if isinstance(start, datetime):
-            return start.replace(tzinfo=None)
+        """The start, or any moment where it is faulty: times are then not told anyway."""
         try:
-            return datetime.strptime(str(start).strip(), LOCAL_TIME_FORMAT)
-        except ValueError:
+            return TypeAdapter(LocalTime).validate_python(raw.get("start"))
+        except ValidationError:
             return SOMETIME
 
     def _unknown_files(self) -> None:
+        if not self.all_named:
+            return  # what nothing refers to may be what a faulty key was to name
         known = ", ".join(sorted(self.used))
         self.faults += [
-            Fault(name, "a file that nothing refers to", f"files are {known}")
+            Fault(name, "a file that nothing refers to", f"the files are {known}")
             for name in sorted(set(self.files) - self.used)
         ]
 

@@ -12,10 +12,10 @@ from evdash.errors import Fault
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows of a CSV file as column → text, and each row's line number in the file."""
+    """Rows of a CSV file as column → text, and each row's number as a spreadsheet counts."""
 
     rows: list[dict[str, object]]
-    line_numbers: list[int]
+    row_numbers: list[int]
 
 
 def decode(name: str, content: bytes) -> tuple[str, list[Fault]]:
@@ -37,6 +37,7 @@ def read_table(
     text, faults = decode(name, content)
     if faults:
         return None, faults
+    number = 1
     try:
         lines = csv.reader(io.StringIO(text, newline=""), strict=True)
         header = [cell.strip() for cell in next(lines, [])]
@@ -44,18 +45,18 @@ def read_table(
         if faults:
             return None, faults
         table = Table([], [])
-        for cells in lines:
+        for number, cells in enumerate(lines, 2):
             if not cells:
                 continue
             if len(cells) != len(header):
-                place = f"{name}, row {lines.line_num}"
-                faults.append(Fault(place, f"{len(cells)} cells", f"should be {len(header)}"))
+                rule = f"should be {len(header)}, as in the header"
+                faults.append(Fault(f"{name}, row {number}", f"{len(cells)} cells", rule))
                 continue
             table.rows.append(dict(zip(header, cells, strict=True)))
-            table.line_numbers.append(lines.line_num)
+            table.row_numbers.append(number)
     except csv.Error as error:
-        place = f"{name}, row {lines.line_num}"
-        return None, [Fault(place, str(error), "should be comma-separated values")]
+        place = f"{name}, row {number + 1}"
+        return None, [*faults, Fault(place, f"{error}", "should be comma-separated values")]
     return (None if faults else table), faults
 
 
@@ -64,7 +65,7 @@ def _header_faults(name: str, header: list[str], record: type[BaseModel]) -> lis
     required = [column for column, field in record.model_fields.items() if field.is_required()]
     place, columns = f"{name}, header", f"columns are {', '.join(known)}"
     faults = [
-        Fault(f"{place}, column {column}", "nothing", f"is required; {columns}")
+        Fault(f"{place}, column {column}", "nothing", f"should be there; {columns}")
         for column in required
         if column not in header
     ]
