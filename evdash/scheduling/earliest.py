@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 
 from evdash.domain.limits import Floats
-from evdash.scheduling.highs import LinearProgram, minimise
+from evdash.scheduling.highs import LinearProgram, Session
 from evdash.scheduling.problem import Bools, Problem
 
 
@@ -45,9 +45,9 @@ def earliest_first(
         lower=problem.low_kw[vehicle],
         upper=problem.high_kw[vehicle],
     )
-    outcome = minimise(program, seconds=seconds)
-    if outcome.values is None or not outcome.finished:
+    point = Session(program).relaxed(seconds)
+    if point is None:
         return power_kw
     earlier = np.zeros_like(power_kw)
-    earlier[vehicle, slot] = outcome.values
+    earlier[vehicle, slot] = point.values
     return earlier

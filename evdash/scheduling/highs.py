@@ -1,25 +1,39 @@
 """HiGHS by arrays: a linear or mixed-integer program in, values and proven bound out."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import highspy
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from evdash.domain.limits import Floats
 from evdash.errors import SolverFailure
 from evdash.scheduling.problem import Bools
 
-FEASIBILITY_TOLERANCE = 1e-9
+TOLERANCE = 1e-9
+Kinds = NDArray[np.uint8]
+CONTINUOUS, WHOLE, SEMI_CONTINUOUS = 0, 1, 2
+"""Kinds of columns; a semi-continuous one is 0 or within its bounds."""
+
+OPTIONS: Mapping[str, Any] = {
+    "output_flag": False,
+    "threads": 1,
+    "random_seed": 0,
+    "mip_rel_gap": 0.0,  # P1's objective passes through zero
+    "mip_detect_symmetry": False,
+    "mip_heuristic_run_feasibility_jump": False,  # took half the time and found nothing
+    "primal_feasibility_tolerance": TOLERANCE,
+    "dual_feasibility_tolerance": TOLERANCE,
+    "mip_feasibility_tolerance": TOLERANCE,
+}
 
 
 @dataclass(frozen=True, slots=True)
 class LinearProgram:
-    """min cost·x  subject to  row_lower ≤ matrix x ≤ row_upper, lower ≤ x ≤ upper.
-
-    `integer` marks the columns that must be whole; None for a pure LP.
-    """
+    """min cost·x  subject to  row_lower ≤ matrix x ≤ row_upper, lower ≤ x ≤ upper."""
 
     cost: Floats
     matrix: csr_matrix
@@ -27,84 +41,126 @@ class LinearProgram:
     row_upper: Floats
     lower: Floats
     upper: Floats
-    integer: Bools | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
-    """What HiGHS found: values (None if nothing feasible), objective, proven lower bound."""
+class LpPoint:
+    """The optimum of an LP: values and reduced costs, each (columns,), and objective."""
+
+    values: Floats
+    reduced_cost: Floats
+    objective: float
+
+
+@dataclass(frozen=True, slots=True)
+class MilpOutcome:
+    """What branch and bound found: values (None if nothing feasible) and a proven lower bound.
+
+    `bound` is inf where infeasibility was proven, −inf where nothing was.
+    """
 
     values: Floats | None
-    objective: float
     bound: float
-    finished: bool
 
 
-def minimise(
-    program: LinearProgram,
-    *,
-    seconds: float,
-    absolute_gap: float = 0.0,
-    nodes: int | None = None,
-    start: Floats | None = None,
-) -> Outcome:
-    """Solve within `seconds`, or `nodes` of branch and bound; infeasible gives no values.
+class Session:
+    """One program held open in HiGHS, so that what is solved next starts from the last basis."""
 
-    Relative gaps are off throughout: P1's objective passes through zero.
-    """
-    solver = highspy.Highs()
-    options: dict[str, Any] = {
-        "output_flag": False,
-        "threads": 1,
-        "random_seed": 0,
-        "time_limit": max(0.01, seconds),
-        "mip_rel_gap": 0.0,
-        "mip_abs_gap": absolute_gap,
-        "primal_feasibility_tolerance": FEASIBILITY_TOLERANCE,
-        "mip_feasibility_tolerance": FEASIBILITY_TOLERANCE,
-    }
-    if nodes is not None:
-        options["mip_max_nodes"] = nodes
-    for name, value in options.items():
-        solver.setOptionValue(name, value)
-    if solver.passModel(_highs_model(program)) == highspy.HighsStatus.kError:
-        raise SolverFailure("HiGHS refused the model")
-    if start is not None:
-        guess = highspy.HighsSolution()
-        guess.col_value = start
-        solver.setSolution(guess)
-    solver.run()
-    return _outcome(solver, is_mip=program.integer is not None)
+    def __init__(self, program: LinearProgram) -> None:
+        self.everything = np.arange(len(program.cost), dtype=np.int32)
+        self.solver = highspy.Highs()
+        self._set(OPTIONS)
+        matrix = program.matrix
+        status = self.solver.passModel(
+            len(program.cost),
+            len(program.row_lower),
+            matrix.nnz,
+            int(highspy.MatrixFormat.kRowwise),
+            int(highspy.ObjSense.kMinimize),
+            0.0,
+            program.cost,
+            program.lower,
+            program.upper,
+            program.row_lower,
+            program.row_upper,
+            matrix.indptr[:-1],
+            matrix.indices,
+            matrix.data,
+            np.zeros(len(program.cost), dtype=np.int32),
+        )
+        if status == highspy.HighsStatus.kError:
+            raise SolverFailure("HiGHS refused the model")
+
+    def bound(self, columns: NDArray[np.integer], lower: Floats, upper: Floats) -> None:
+        """Give `columns` new bounds."""
+        self.solver.changeColsBounds(len(columns), columns.astype(np.int32), lower, upper)
+
+    def add_rows(self, matrix: csr_matrix, lower: Floats, upper: Floats) -> None:
+        """Append rows; the basis stays a start for what is solved next."""
+        self.solver.addRows(
+            len(lower),
+            lower,
+            upper,
+            matrix.nnz,
+            matrix.indptr[:-1],
+            matrix.indices,
+            matrix.data,
+        )
+
+    def relaxed(self, seconds: float) -> LpPoint | None:
+        """The LP's optimum; None if it is infeasible or time ran out."""
+        self._set({"time_limit": seconds})
+        self.solver.run()
+        if self.solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            return None
+        solution = self.solver.getSolution()
+        return LpPoint(
+            values=np.array(solution.col_value),
+            reduced_cost=np.array(solution.col_dual),
+            objective=self.solver.getInfo().objective_function_value,
+        )
+
+    @property
+    def infeasible(self) -> bool:
+        """Whether what was last solved was proven to have no feasible point."""
+        return bool(self.solver.getModelStatus() == highspy.HighsModelStatus.kInfeasible)
+
+    def branched(
+        self,
+        kinds: Kinds,
+        seconds: float,
+        *,
+        nodes: int,
+        absolute_gap: float = 0.0,
+        target: float = -np.inf,
+    ) -> MilpOutcome:
+        """The MILP with columns of these kinds, by at most `nodes` of branch and bound.
+
+        Ends early at a gap of `absolute_gap` or at a point no dearer than `target`.
+        """
+        limits = {"time_limit": seconds, "mip_max_nodes": nodes}
+        self._set(limits | {"mip_abs_gap": absolute_gap, "objective_target": target})
+        count = len(self.everything)
+        self.solver.changeColsIntegrality(count, self.everything, kinds)
+        self.solver.run()
+        outcome = self._integer_outcome()
+        self.solver.changeColsIntegrality(count, self.everything, np.zeros_like(kinds))
+        return outcome
+
+    def _integer_outcome(self) -> MilpOutcome:
+        if self.infeasible:
+            return MilpOutcome(None, np.inf)
+        info = self.solver.getInfo()
+        bound = info.mip_dual_bound  # −inf after a run that met its target
+        if info.primal_solution_status != highspy.SolutionStatus.kSolutionStatusFeasible:
+            return MilpOutcome(None, bound)
+        return MilpOutcome(np.array(self.solver.getSolution().col_value), bound)
+
+    def _set(self, options: Mapping[str, Any]) -> None:
+        for name, value in options.items():
+            self.solver.setOptionValue(name, value)
 
 
-def _highs_model(program: LinearProgram) -> Any:
-    model = highspy.HighsLp()
-    rows, columns = program.matrix.shape
-    model.num_row_, model.num_col_ = rows, columns
-    model.col_cost_ = program.cost
-    model.col_lower_, model.col_upper_ = program.lower, program.upper
-    model.row_lower_, model.row_upper_ = program.row_lower, program.row_upper
-    model.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
-    model.a_matrix_.start_ = program.matrix.indptr
-    model.a_matrix_.index_ = program.matrix.indices
-    model.a_matrix_.value_ = program.matrix.data
-    if program.integer is not None:
-        kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
-        model.integrality_ = [kinds[int(whole)] for whole in program.integer]
-    return model
-
-
-def _outcome(solver: Any, is_mip: bool) -> Outcome:
-    status, info = solver.getModelStatus(), solver.getInfo()
-    finished = status == highspy.HighsModelStatus.kOptimal
-    feasible = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
-    if not feasible:
-        return Outcome(None, np.inf, info.mip_dual_bound if is_mip else -np.inf, finished)
-    objective = info.objective_function_value
-    lp_bound = objective if finished else -np.inf
-    return Outcome(
-        values=np.array(solver.getSolution().col_value),
-        objective=objective,
-        bound=info.mip_dual_bound if is_mip else lp_bound,
-        finished=finished,
-    )
+def whole(mask: Bools) -> Kinds:
+    """Kinds of columns: whole where `mask` is true, else continuous."""
+    return np.where(mask, WHOLE, CONTINUOUS).astype(np.uint8)

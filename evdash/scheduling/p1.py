@@ -10,18 +10,23 @@ from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
 from evdash.domain.vehicles import Request
 from evdash.scheduling.clean import cleaned
 from evdash.scheduling.earliest import earliest_first
-from evdash.scheduling.problem import OPTIMALITY_USD, Bools, Problem, problem_of
-from evdash.scheduling.reference import Solution, solve_reference
+from evdash.scheduling.fast.solver import solve_fast
+from evdash.scheduling.problem import (
+    OPTIMALITY_USD,
+    TIE_USD,
+    Bools,
+    Problem,
+    Solution,
+    problem_of,
+)
 
 SECONDS_PER_INTERVAL = 20.0
-TIE_USD = 0.98 * OPTIMALITY_USD
-"""How far above the proven bound a plan may cost in exchange for being earlier."""
 ROUNDING_USD = 1e-8
 
 Solver = Callable[[Problem, float], Solution]
 
 
-def p1_policy(solve: Solver = solve_reference, seconds: float = SECONDS_PER_INTERVAL) -> Policy:
+def p1_policy(solve: Solver = solve_fast, seconds: float = SECONDS_PER_INTERVAL) -> Policy:
     """The policy that maximises the profit of what is known now, within `seconds`."""
 
     def p1(snapshot: Snapshot) -> Plan:

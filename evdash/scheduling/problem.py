@@ -16,6 +16,10 @@ OPTIMALITY_USD = 0.01
 """A plan counts as optimal within this of the proven bound: absolute, as P1 passes zero."""
 
 
+TIE_USD = 0.98 * OPTIMALITY_USD
+"""How far above the proven bound a plan may cost in exchange for being earlier, or found sooner."""
+
+
 @dataclass(frozen=True, slots=True)
 class Problem:
     """P1 at one interval. Vehicles: the contracts first, then the requests worth asking about.
@@ -63,6 +67,18 @@ class Problem:
     def tail_objective(self) -> float:
         """The value of keeping the last plan's tail and admitting nobody, $."""
         return self.energy_cost(self.tail_kw)
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """A feasible point of P1 and a proven bound on its optimum, $.
+
+    Shapes: admitted (vehicles,), power_kw (vehicles, slots).
+    """
+
+    admitted: Bools
+    power_kw: Floats
+    bound: float
 
 
 def problem_of(snapshot: Snapshot) -> Problem:

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pulp
@@ -10,21 +9,9 @@ import pulp
 from evdash.domain.limits import Floats
 from evdash.errors import SolverFailure
 from evdash.scheduling.equations import P1, Equation, Model, build
-from evdash.scheduling.problem import Bools, Problem
+from evdash.scheduling.problem import Problem, Solution
 
 ABSOLUTE_GAP_USD = 0.004
-
-
-@dataclass(frozen=True, slots=True)
-class Solution:
-    """A feasible point of P1 and a proven bound on its optimum, $.
-
-    Shapes: admitted (vehicles,), power_kw (vehicles, slots).
-    """
-
-    admitted: Bools
-    power_kw: Floats
-    bound: float
 
 
 def solve_reference(

@@ -1,0 +1,1 @@
+"""The fast exact solver: vehicle cuts, a master for u, recourse for D."""

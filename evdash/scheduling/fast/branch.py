@@ -1,0 +1,65 @@
+"""Branch and bound over what is left open: one call of HiGHS for recourse and the full problem."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from evdash.domain.limits import Floats
+from evdash.scheduling.fast.search import Search
+from evdash.scheduling.highs import SEMI_CONTINUOUS, WHOLE, Kinds, MilpOutcome
+from evdash.scheduling.problem import Bools
+
+
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """What is settled before branching: pairs that stay off or surely run, (pairs,); bounds on
+    u, (vehicles,)."""
+
+    off: Bools
+    on: Bools
+    u_lower: Floats
+    u_upper: Floats
+
+
+def branch(
+    search: Search,
+    settled: Settled,
+    *,
+    nodes: int,
+    absolute_gap: float = 0.0,
+    target: float = -np.inf,
+) -> MilpOutcome:
+    """P1 with all that is not settled open; the bounds on pairs are lifted again afterwards."""
+    at, session = search.relaxation.columns, search.session
+    low = search.relaxation.charges.low_kw[at.vehicle]
+    top = search.relaxation.charges.top_kw[at.vehicle]
+    has_d, open_pairs = at.d >= 0, ~settled.off & ~settled.on
+    kinds: Kinds = np.zeros(at.total, dtype=np.uint8)
+    semi = np.flatnonzero(open_pairs & ~has_d & (low > 0))
+    kinds[semi] = SEMI_CONTINUOUS
+    kinds[at.d[open_pairs & has_d]] = WHOLE
+    kinds[at.u[settled.u_lower < settled.u_upper]] = WHOLE
+
+    lower = np.where(settled.on, low, 0.0)
+    lower[semi] = low[semi]
+    session.bound(at.u, settled.u_lower, settled.u_upper)
+    session.bound(np.arange(at.n_pairs), lower, np.where(settled.off, 0.0, top))
+    d = at.d[has_d]
+    session.bound(d, settled.on[has_d].astype(np.float64), (~settled.off[has_d]).astype(np.float64))
+    outcome = session.branched(
+        kinds, search.seconds_left, nodes=nodes, absolute_gap=absolute_gap, target=target
+    )
+    session.bound(np.arange(at.n_pairs), np.zeros(at.n_pairs), top)
+    session.bound(d, np.zeros(len(d)), np.ones(len(d)))
+    return outcome
+
+
+def cost_of_running(search: Search, lp_reduced_cost: Floats) -> Floats:
+    """By how much an LP's objective grows at least if a pair runs, (pairs,), $.
+
+    A running pair has P ≥ low and D = 1; reduced costs of at least 0 price both.
+    """
+    at = search.relaxation.columns
+    dearer = np.maximum(0.0, lp_reduced_cost)
+    cost = dearer[: at.n_pairs] * search.relaxation.charges.low_kw[at.vehicle]
+    return np.asarray(cost + np.where(at.d >= 0, dearer[at.d], 0.0))

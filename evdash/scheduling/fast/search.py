@@ -1,0 +1,89 @@
+"""What is known so far in one solve: the best point, the proven bound, the time left."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from evdash.domain.limits import Floats
+from evdash.scheduling.fast.relaxation import Relaxation
+from evdash.scheduling.fast.rounding import violated_cuts
+from evdash.scheduling.highs import LpPoint, Session
+from evdash.scheduling.problem import TIE_USD, Bools, Problem, Solution
+
+RUNNING_KW = 1e-7
+"""Power that counts as running: above what the LP's tolerance leaves over."""
+POWER_TOLERANCE_KW = 1e-9
+CUT_ROUNDS = 12
+
+
+@dataclass(slots=True)
+class Search:
+    """One solve under way. `admitted`, `power_kw` and `cost` are the best point found."""
+
+    relaxation: Relaxation
+    session: Session
+    ends: float
+    admitted: Bools
+    power_kw: Floats
+    cost: float
+    bound: float = -np.inf
+
+    @property
+    def problem(self) -> Problem:
+        return self.relaxation.problem
+
+    @property
+    def seconds_left(self) -> float:
+        return max(0.01, self.ends - time.perf_counter())
+
+    @property
+    def out_of_time(self) -> bool:
+        return time.perf_counter() >= self.ends
+
+    @property
+    def target(self) -> float:
+        """A point no dearer than this is proven optimal, $."""
+        return self.bound + TIE_USD
+
+    @property
+    def proven(self) -> bool:
+        return self.cost <= self.target
+
+    def offer(self, values: Floats) -> None:
+        """Take a point of P1 as the best if it is cheaper."""
+        admitted = values[self.relaxation.columns.u] > 0.5
+        power_kw = self.relaxation.power_kw(values)
+        power_kw[power_kw <= RUNNING_KW] = 0.0
+        cost = self.problem.objective(admitted, power_kw)
+        if cost < self.cost:
+            self.admitted, self.power_kw, self.cost = admitted, power_kw, cost
+
+    def relaxed(self, cut_rounds: int = 0) -> LpPoint | None:
+        """The LP under the bounds now set, cut off where its point violates vehicle cuts."""
+        point = self.session.relaxed(self.seconds_left)
+        for _ in range(cut_rounds):
+            if point is None:
+                break
+            cuts = violated_cuts(self.relaxation, point.values)
+            if cuts.count == 0:
+                break
+            self.session.add_rows(cuts.matrix(self.relaxation.columns.total), *cuts.limits())
+            point = self.session.relaxed(self.seconds_left)
+        return point
+
+    def conflicts(self, values: Floats) -> tuple[Bools, Bools]:
+        """What keeps a point with u whole from being one of P1.
+
+        Pairs that run below their lowest power, (pairs,); slots with more vehicles running
+        than chargers, (slots,).
+        """
+        at = self.relaxation.columns
+        power = values[: at.n_pairs]
+        running = power > RUNNING_KW
+        low = self.relaxation.charges.low_kw[at.vehicle]
+        count = np.bincount(at.slot[running], minlength=self.problem.n_slots)
+        return running & (power < low - POWER_TOLERANCE_KW), count > self.problem.chargers
+
+    def solution(self) -> Solution:
+        return Solution(self.admitted, self.power_kw, self.bound)

@@ -1,0 +1,49 @@
+"""P1 solved exactly and fast: relaxation, master, recourse, and at last everything at once.
+
+Every stage works on one program, held open in HiGHS. A point is proven once it costs no more
+than TIE_USD above the bound, and the stages end there. Limits are numbers of branch-and-bound
+nodes, so that the answer is the same on every machine; time is only the last safety.
+"""
+
+import time
+
+import numpy as np
+
+from evdash.scheduling.fast.charges import charges_of
+from evdash.scheduling.fast.full import everything_open
+from evdash.scheduling.fast.master import contracts_chosen, relaxation_solved
+from evdash.scheduling.fast.recourse import schedule_for
+from evdash.scheduling.fast.relaxation import Relaxation, relaxation_of
+from evdash.scheduling.fast.relevance import charger_slots
+from evdash.scheduling.fast.search import Search
+from evdash.scheduling.highs import Session
+from evdash.scheduling.problem import Problem, Solution
+
+
+def solve_fast(problem: Problem, seconds: float) -> Solution:
+    """A point of P1 and a proven bound, within a cent of each other unless a limit was met."""
+    ends = time.perf_counter() + seconds
+    relaxation = made_from(problem)
+    search = Search(
+        relaxation=relaxation,
+        session=Session(relaxation.program),
+        ends=ends,
+        admitted=np.arange(problem.n_vehicles) < problem.n_contracts,
+        power_kw=problem.tail_kw,
+        cost=problem.tail_objective,
+    )
+    root = relaxation_solved(search)
+    if root is not None and not search.proven:
+        u = contracts_chosen(search, root)
+        if u is not None and not search.proven:
+            schedule_for(search, u)
+        if not search.proven and not search.out_of_time:
+            everything_open(search, root)
+    return search.solution()
+
+
+def made_from(problem: Problem) -> Relaxation:
+    """The relaxation of a problem, chargers only where they can bind."""
+    charges, headroom_kw = charges_of(problem), problem.rows.headroom_kw()
+    slots = charger_slots(problem, charges, headroom_kw)
+    return relaxation_of(problem, charges, headroom_kw, slots)
