@@ -26,7 +26,10 @@ LEAST_SOC = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A disagreement: where it stands (first place) and what it draws on (all of them)."""
+    """A disagreement: where it stands (first place) and what it draws on (the others).
+
+    A first place that stands alone is drawn on, too.
+    """
 
     places: tuple[Place, ...]
     found: str
@@ -95,6 +98,7 @@ def unique_names(scenario: Scenario) -> Iterator[Problem]:
 def known_nodes(scenario: Scenario) -> Iterator[Problem]:
     nodes = {node.node for node in scenario.nodes}
     source, station = scenario.feeder.source_node, scenario.station.node
+    node_names = _column("nodes", len(scenario.nodes), "node")
     named: list[tuple[Place, str]] = [
         (("feeder", "source_node"), source),
         (("station", "node"), station),
@@ -106,7 +110,8 @@ def known_nodes(scenario: Scenario) -> Iterator[Problem]:
         ]
     for place, name in named:
         if name not in nodes:
-            yield Problem((place, ("nodes",)), repr(name), "should be a node of nodes.csv")
+            rule = "should be a node of nodes.csv"
+            yield Problem((place, *node_names), repr(name), rule)
     if station == source:
         yield Problem(
             (("station", "node"), ("feeder", "source_node")),
@@ -121,7 +126,12 @@ def radial_topology(scenario: Scenario) -> Iterator[Problem]:
     source = scenario.feeder.source_node
     if not (ends | {source}) <= nodes:
         return  # told by `known_nodes`
-    drawn_on: tuple[Place, ...] = (("nodes",), ("lines",), ("feeder", "source_node"))
+    drawn_on = (
+        *_column("nodes", len(scenario.nodes), "node"),
+        *_column("lines", len(scenario.lines), "from_node"),
+        *_column("lines", len(scenario.lines), "to_node"),
+        ("feeder", "source_node"),
+    )
     for row, found, allowed in topology_problems(scenario.nodes, scenario.lines, source):
         place: Place = ("lines",) if row is None else ("lines", row)
         yield Problem((place, *drawn_on), found, allowed)
@@ -149,16 +159,18 @@ def profile_rows(scenario: Scenario) -> Iterator[Problem]:
     yield from _repeated(listed, [("profile", i, "interval") for i in range(len(listed))])
     missing = sorted(set(range(scenario.intervals)) - set(listed))
     if missing:
+        places = _column("profile", len(listed), "interval")
         yield Problem(
-            (("profile",), ("intervals",)),
+            (("profile",), ("intervals",), *places),
             f"no row for interval {_spans(missing)}",
             f"should have one row for each of the {scenario.intervals} intervals",
         )
+    generating = _column("nodes", len(scenario.nodes), "generation_kw")
     if any(node.generation_kw for node in scenario.nodes):
         for i, row in enumerate(scenario.profile):
             if row.generation_pu is None:
                 yield Problem(
-                    (("profile", i, "generation_pu"), ("nodes",)),
+                    (("profile", i, "generation_pu"), *generating),
                     "a blank",
                     "should be given, as nodes.csv has generation",
                 )
@@ -185,7 +197,7 @@ def recorded_arrivals(scenario: Scenario) -> Iterator[Problem]:
             )
         if arrival.option not in scenario.options_by_name:
             yield Problem(
-                ((*row, "option"), ("option",)),
+                ((*row, "option"), *_option_names(scenario)),
                 repr(arrival.option),
                 f"should be one of {', '.join(scenario.options_by_name)}",
             )
@@ -212,7 +224,7 @@ def _statistics_problems(
     for name in shares:
         if name not in scenario.options_by_name:
             yield Problem(
-                ((*where, "option_share", name), ("option",)),
+                ((*where, "option_share", name), *_option_names(scenario)),
                 repr(name),
                 f"should be one of {', '.join(scenario.options_by_name)}",
             )
@@ -244,6 +256,14 @@ CHECKS: tuple[Check, ...] = (
     recorded_arrivals,
     arrival_statistics,
 )
+
+
+def _column(table: str, n_rows: int, column: str) -> tuple[Place, ...]:
+    return tuple((table, row, column) for row in range(n_rows))
+
+
+def _option_names(scenario: Scenario) -> tuple[Place, ...]:
+    return _column("option", len(scenario.option), "name")
 
 
 def _repeated(names: Iterable[Hashable], places: list[Place]) -> Iterator[Problem]:

@@ -35,7 +35,7 @@ def validate(raw: Raw, where: Where = dotted, known_faulty: Sequence[Place] = ()
     `where` words a place; `known_faulty` lists places already told to be wrong, which are
     neither told again nor drawn on. The error then carries only the faults found here.
     """
-    faulty: list[Place] = list(known_faulty)
+    faulty = Places(known_faulty)
     faults: list[Fault] = []
     scenario = None
     for _ in range(MAX_ROUNDS):  # exchanging one value may bring another fault to light
@@ -45,13 +45,13 @@ def validate(raw: Raw, where: Where = dotted, known_faulty: Sequence[Place] = ()
         except ValidationError as error:
             for details in error.errors(include_url=False):
                 place = _place(details["loc"])
-                if not _touches(place, faulty):
+                if not faulty.touch(place):
                     faults.append(_field_fault(raw, place, details, where))
-                faulty.append(place)
+                faulty.add(place)
             raw = _with_stand_ins(raw, error)
     if scenario is not None:
         for problem in (problem for check in CHECKS for problem in check(scenario)):
-            if not any(_touches(place, faulty) for place in problem.places):
+            if not _draws_on(problem, faulty):
                 faults.append(_told(problem, where))
     if faults or known_faulty or scenario is None:
         raise InputError(faults)
@@ -104,9 +104,31 @@ def _place(loc: tuple[str | int, ...]) -> Place:
     return loc
 
 
-def _touches(place: Place, faulty: Sequence[Place]) -> bool:
-    """Whether a place lies within a faulty one or has one within it."""
-    return any(place[: len(bad)] == bad[: len(place)] for bad in faulty)
+class Places:
+    """Faulty places, and whether another has to do with them."""
+
+    def __init__(self, places: Sequence[Place]) -> None:
+        self._places: set[Place] = set()
+        self._around: set[Place] = set()
+        for place in places:
+            self.add(place)
+
+    def add(self, place: Place) -> None:
+        self._places.add(place)
+        self._around |= {place[:length] for length in range(len(place) + 1)}
+
+    def hold(self, place: Place) -> bool:
+        """Whether `place` is faulty or lies within a faulty place."""
+        return any(place[:length] in self._places for length in range(len(place) + 1))
+
+    def touch(self, place: Place) -> bool:
+        """Whether `place` lies within a faulty place or has one within it."""
+        return self.hold(place) or place in self._around
+
+
+def _draws_on(problem: Problem, faulty: Places) -> bool:
+    stands, *others = problem.places
+    return faulty.hold(stands) or any(faulty.touch(place) for place in others or [stands])
 
 
 def _told(problem: Problem, where: Where) -> Fault:
