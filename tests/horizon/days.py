@@ -12,6 +12,10 @@ from tests.builders import OPTIONS, make_scenario, node, vehicle
 
 THIRD = {"name": "C3", "price_per_kwh": 0.02, "average_kw": 2.5}
 LOAD_KW = 40.0
+ASKED = st.tuples(
+    st.sampled_from([12.0, 9.0, 15.5, 16.0, 7.0, 6.6]), st.sampled_from([None, 6.6, 5.0])
+)
+"""Energy asked for in kW·intervals, and the vehicle's own limit in kW."""
 
 
 def with_headroom(headroom_kw: list[float]) -> dict[str, Any]:
@@ -59,30 +63,21 @@ def small_days(draw: st.DrawFn, max_intervals: int = 4, max_vehicles: int = 3) -
 
 
 @st.composite
-def crowded_days(draw: st.DrawFn, max_vehicles: int = 4) -> Scenario:
+def crowded_days(draw: st.DrawFn, max_vehicles: int = 4, max_intervals: int = 4) -> Scenario:
     """Everybody there from the start, nearly all admitted, most of it best charged later."""
-    intervals = draw(st.sampled_from([4, 3]))
-    prices = st.sampled_from([0.05, 0.1, 0.15, 0.2, 0.25])
+    intervals = draw(st.sampled_from([max_intervals, max_intervals - 1]))
+    minutes = draw(st.sampled_from([30, 15, 60]))
     vehicles = [
-        vehicle(f"{n}", need_kwh=need, battery_kwh=120.0, option="C2", max_kw=max_kw)
-        for n, (need, max_kw) in enumerate(
-            draw(
-                st.lists(
-                    st.tuples(
-                        st.sampled_from([12.0, 9.0, 15.5, 16.0, 7.0, 6.6]),
-                        st.sampled_from([None, 6.6, 5.0]),
-                    ),
-                    min_size=2,
-                    max_size=max_vehicles,
-                )
-            )
-        )
+        vehicle(f"{n}", need_kwh=kw * minutes / 60, battery_kwh=120.0, option="C2", max_kw=max_kw)
+        for n, (kw, max_kw) in enumerate(draw(st.lists(ASKED, min_size=2, max_size=max_vehicles)))
     ]
+    prices = st.sampled_from([0.05, 0.1, 0.15, 0.2, 0.25])
     return make_scenario(
         **with_headroom([draw(st.sampled_from([25.0, 20.0, 14.0])) for _ in range(intervals)]),
-        price=sorted((draw(prices) for _ in range(intervals)), reverse=True),
+        price=sorted((draw(prices) for _ in range(intervals)), reverse=draw(st.booleans())),
         vehicles=vehicles,
         station={"chargers": 3, "min_kw": draw(st.sampled_from([2.0, 3.3]))},
+        interval_minutes=minutes,
     )
 
 

@@ -17,9 +17,10 @@ from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.inputs import prepare
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import make_scenario, scenarios, vehicle
-from tests.horizon.days import small_days
+from tests.horizon.days import crowded_days, small_days
 
 P1 = p1_policy()
+DAYS = st.one_of(crowded_days(max_intervals=6), small_days(max_intervals=6, max_vehicles=6))
 
 
 def by_hand(trace: Trace, policy=P1) -> Trace:
@@ -34,7 +35,7 @@ def with_vehicles(scenario: Scenario, vehicles) -> Scenario:
 
 
 @settings(max_examples=80)
-@given(small_days(max_intervals=6, max_vehicles=6))
+@given(DAYS)
 def test_every_promise_and_limit_is_kept(scenario):
     trace = run_day(start_day(scenario), P1)
     assert problems_of_day(trace) == []
@@ -56,7 +57,7 @@ def test_every_promise_and_limit_is_kept_on_longer_days(seed):
 
 @pytest.mark.long
 @settings(max_examples=2000)
-@given(small_days(max_intervals=8, max_vehicles=10))
+@given(st.one_of(small_days(8, 10), crowded_days(8, 8)))
 def test_every_promise_and_limit_is_kept_in_many_days(scenario):
     assert problems_of_day(run_day(start_day(scenario), P1)) == []
 
@@ -83,7 +84,7 @@ def test_that_test_can_tell_a_future_known_from_one_unknown():
 
 
 @settings(max_examples=40)
-@given(small_days(max_intervals=5, max_vehicles=5))
+@given(DAYS)
 def test_running_the_day_is_stepping_by_hand_and_deterministic(scenario):
     told: list[int] = []
     trace = run_day(start_day(scenario), P1, on_step=lambda t: told.append(t.now))
@@ -100,7 +101,7 @@ def frozen(state: State) -> tuple[object, ...]:
 
 
 @settings(max_examples=30)
-@given(small_days(max_intervals=5, max_vehicles=5))
+@given(DAYS)
 def test_nothing_given_is_ever_changed(scenario):
     trace = start_day(scenario)
     rows = trace.inputs.rows.limit_kw.copy()
@@ -116,7 +117,7 @@ def test_nothing_given_is_ever_changed(scenario):
 
 
 @settings(max_examples=40)
-@given(small_days(max_intervals=5, max_vehicles=5))
+@given(DAYS)
 def test_advancing_delivers_one_interval_and_counts_down(scenario):
     """(10) by itself: s falls by what was charged, a by one, the option stays."""
     trace = run_day(start_day(scenario), P1)

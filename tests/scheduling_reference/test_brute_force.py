@@ -2,12 +2,13 @@
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from evdash.horizon.day import run_day, start_day
 from evdash.scheduling.p1 import p1_policy
 from evdash.scheduling.problem import OPTIMALITY_USD
 from evdash.scheduling.reference import solve_reference
-from tests.horizon.days import small_days, snapshots
+from tests.horizon.days import crowded_days, small_days, snapshots
 from tests.scheduling_reference.by_hand import HAIR, best_objective
 
 
@@ -25,13 +26,13 @@ def assert_every_step_is_optimal(scenario) -> None:
 
 
 @settings(max_examples=40)
-@given(small_days())
+@given(st.one_of(small_days(), crowded_days(3, 3)))
 def test_no_plan_of_any_kind_is_worth_more(scenario):
     assert_every_step_is_optimal(scenario)
 
 
 @pytest.mark.long
 @settings(max_examples=1500)
-@given(small_days(max_intervals=5, max_vehicles=4))
+@given(st.one_of(small_days(5, 4), crowded_days(4, 4)))
 def test_no_plan_of_any_kind_is_worth_more_in_more_and_larger_days(scenario):
     assert_every_step_is_optimal(scenario)

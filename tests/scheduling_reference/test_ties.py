@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from evdash.domain.plan import Plan, Snapshot
 from evdash.horizon.day import run_day, start_day, step
@@ -10,7 +11,7 @@ from evdash.scheduling.p1 import TIE_USD, p1_policy
 from evdash.scheduling.problem import OPTIMALITY_USD
 from evdash.scheduling.reference import solve_reference
 from tests.builders import make_scenario, vehicle
-from tests.horizon.days import small_days, snapshots, with_headroom
+from tests.horizon.days import crowded_days, small_days, snapshots, with_headroom
 from tests.scheduling_reference.by_hand import earliest_possible, earliness
 
 P1 = p1_policy(solve_reference)
@@ -67,14 +68,14 @@ def assert_earliest_within_a_cent(scenario) -> None:
         assert earliness(snapshot, plan.power_kw) <= least + 1e-4
 
 
-@settings(max_examples=100)
-@given(small_days(max_intervals=6, max_vehicles=5))
+@settings(max_examples=60)
+@given(st.one_of(small_days(6, 5), crowded_days(5, 6)))
 def test_no_plan_with_the_same_contracts_and_chargers_is_earlier(scenario):
     assert_earliest_within_a_cent(scenario)
 
 
 @pytest.mark.long
 @settings(max_examples=1500)
-@given(small_days(max_intervals=8, max_vehicles=8))
+@given(st.one_of(small_days(8, 8), crowded_days(8, 8)))
 def test_no_plan_is_earlier_in_more_and_larger_days(scenario):
     assert_earliest_within_a_cent(scenario)
