@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any
 
 from evdash.domain.scenario import Scenario
 from evdash.errors import Fault, InputError
@@ -37,7 +37,7 @@ def is_text_key(key: str) -> bool:
     parts = key.split(".")
     place: Place = ("option", 0, parts[-1]) if parts[0] == "option" else tuple(parts)
     field = field_at(place, {})
-    return field is not None and (field.annotation is str or str in get_args(field.annotation))
+    return field is not None and field.annotation is str
 
 
 def _as_toml(text: str) -> object:
