@@ -103,6 +103,6 @@ def solve_network(net: Any, active_kw: Floats, reactive_kvar: Floats) -> None:
     net.load["p_mw"] = -active_kw / KW_PER_MW
     net.load["q_mvar"] = -reactive_kvar / KW_PER_MW
     try:
-        pandapower.runpp(net, numba=False, tolerance_mva=1e-8, init="flat")
+        pandapower.runpp(net, numba=False, tolerance_mva=1e-8, init="flat", max_iteration=30)
     except pandapower.LoadflowNotConverged as error:
         raise PowerFlowDiverged("Newton's method found no AC solution") from error

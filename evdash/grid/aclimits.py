@@ -24,6 +24,8 @@ MARGIN_PU = 1e-8
 MARGIN_KVA = 1e-5
 """What counts as worsened in the search; the certificate forgives ten times as much."""
 FIRST_REACH_KW = 10.0
+SHORT_OF_COLLAPSE = 0.005
+"""Room left where no solution exists beyond: so near the collapse solvers disagree on it."""
 
 
 class AcFeeder:
@@ -77,9 +79,13 @@ class AcFeeder:
         return np.hstack([told, np.where(solved, -np.inf, 1.0)])
 
     def worsened(self, intervals: NDArray[np.int64], excess: Floats) -> NDArray[np.bool_]:
-        """Which limits are exceeded by more than without the station, (flows, elements)."""
-        margin = self._margins()
-        return np.asarray(excess > np.maximum(0.0, self.base_excess[intervals]) + margin)
+        """Which limits are exceeded by more than without the station, (flows, elements).
+
+        A flow without a solution is never allowed, even where the base case has none either.
+        """
+        allowed = np.maximum(0.0, self.base_excess[intervals])
+        allowed[:, -1] = 0.0
+        return np.asarray(excess > allowed + self._margins())
 
     def _margins(self) -> Floats:
         voltages = 2 * len(self.feeder.nodes)
@@ -149,7 +155,9 @@ def ac_headroom(feeder: AcFeeder) -> tuple[Floats, tuple[str, ...]]:
             width <= np.maximum(RESOLUTION_KW, RELATIVE_RESOLUTION * low[open_now])
         )
         open_now = open_now[~done]
-    return low, tuple(feeder.elements[i] for i in culprit)
+    collapses = culprit == len(feeder.elements) - 1
+    allowed_kw = np.where(collapses, (1 - SHORT_OF_COLLAPSE) * low, low)
+    return allowed_kw, tuple(feeder.elements[i] for i in culprit)
 
 
 def _fractions() -> Floats:

@@ -1,0 +1,154 @@
+"""The AC network model, refereed by pandapower, whose code it does not share."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from evdash.domain.scenario import Scenario
+from evdash.files.bundled import PRESETS
+from evdash.files.overrides import edit_scenario
+from evdash.files.scenario_folder import read_scenario
+from evdash.grid.acbreaches import ac_breaches
+from evdash.grid.acflow import ac_flow
+from evdash.grid.aclimits import AcFeeder, ac_limit_rows
+from evdash.grid.reduction import limit_rows
+from evdash.horizon.day import run_day, start_day, step
+from evdash.horizon.revise import revise
+from evdash.metrics.records import executed_station_kw
+from evdash.metrics.totals import totals
+from evdash.scheduling.p1 import p1_policy
+from tests.builders import line, make_scenario, node, scenarios, vehicle
+
+
+def worsened(scenario: Scenario, station_kw: np.ndarray) -> set[tuple[int, str]]:
+    """What pandapower finds the station to worsen: (interval, element)."""
+    executed = ac_flow(scenario, station_kw)
+    base = ac_flow(scenario, np.zeros(scenario.intervals))
+    return {(b.interval, b.element) for b in ac_breaches(scenario, executed, base) if b.by_station}
+
+
+@given(scenarios(max_nodes=6))
+@settings(max_examples=10)
+def test_headroom_is_allowed_by_pandapower_and_a_little_more_is_not(scenario):
+    rows = ac_limit_rows(scenario)
+    headroom_kw, binding = rows.headroom_kw(), rows.binding()
+    assert worsened(scenario, headroom_kw) == set()
+    beyond = worsened(scenario, headroom_kw * 1.01 + 1.0)
+    for t, element in enumerate(binding):
+        assert (t, element) in beyond
+
+
+@given(scenarios(max_nodes=6))
+@settings(max_examples=10)
+def test_the_certificate_agrees_with_pandapower(scenario):
+    station_kw = np.linspace(0.0, 150.0, scenario.intervals)
+    certificate = AcFeeder(scenario).breaches(station_kw)
+    mine = {(b.interval, b.element) for b in certificate if b.by_station and b.depth > 1e-5}
+    theirs = worsened(scenario, station_kw)
+    assert mine ^ theirs <= near_tolerance(certificate)
+
+
+def near_tolerance(certificate) -> set[tuple[int, str]]:
+    """Breaches too shallow for two solvers to agree on."""
+    close = [b for b in certificate if abs(b.depth - b.base_depth) < 2e-3 * max(1.0, b.depth)]
+    return {(b.interval, b.element) for b in close if b.depth - b.base_depth < 1e-3}
+
+
+LONG = {"from_node": "s", "to_node": "a", "r_ohm": 1.2, "x_ohm": 0.9}
+
+
+@pytest.mark.parametrize(
+    ("element", "fields"),
+    [
+        ("voltage_min:b", {"lines": [LONG, line("a", "b", 3.0, 2.0)], "feeder": {}}),
+        ("line:s-a", {"lines": [{**LONG, "rating_kva": 95.0}, line("a", "b")]}),
+        ("node:a", {"rating": 60.0, "lines": [LONG, line("a", "b")]}),
+        (
+            "power_flow:a",
+            {
+                "feeder": {"voltage_min_pu": 0.05},
+                "lines": [{**LONG, "x_ohm": 20.0}, line("a", "b")],
+            },
+        ),
+    ],
+)
+def test_each_kind_of_limit_binds(element, fields):
+    nodes = [
+        node("s"),
+        node("a", load_kw=30, rating_kva=fields.pop("rating", None)),
+        node("b", load_kw=40),
+    ]
+    scenario = make_scenario(nodes=nodes, **fields)
+    rows = ac_limit_rows(scenario)
+    assert set(rows.binding()) == {element}
+    assert (rows.headroom_kw() > 1).all()
+    assert worsened(scenario, rows.headroom_kw()) == set()
+    assert {e for _, e in worsened(scenario, rows.headroom_kw() * 1.02 + 0.1)} >= {element}
+
+
+def test_losses_count_towards_a_transformer():
+    """At the sending end the transformer carries its own losses as well."""
+    scenario = read_scenario(PRESETS / "summer-weekday")
+    linear, ac = limit_rows(scenario).headroom_kw(), ac_limit_rows(scenario).headroom_kw()
+    assert (ac < linear).all()
+    executed = ac_flow(scenario, linear)
+    transformer = executed.lines.index("633-634")
+    assert (executed.line_kva[:, transformer] > 500).all()
+
+
+def test_a_feeder_outside_its_limits_by_itself_leaves_no_room_where_charging_worsens_it():
+    nodes = [node("s"), node("a", load_kw=10), node("b", load_kw=600)]
+    scenario = make_scenario(
+        nodes=nodes,
+        lines=[line("s", "a", 1.0, 1.0), line("a", "b", 1.0, 1.0)],
+        feeder={"voltage_min_pu": 0.97},
+    )
+    rows = ac_limit_rows(scenario)
+    assert set(rows.binding()) <= {"voltage_min:a", "voltage_min:b"}
+    assert (rows.headroom_kw() < 0.5).all()
+
+
+def test_a_base_case_without_solution_leaves_no_room():
+    nodes = [node("s"), node("a", load_kw=900_000)]
+    scenario = make_scenario(nodes=nodes, vehicles=[vehicle("one")])
+    rows = ac_limit_rows(scenario)
+    assert (rows.headroom_kw() == 0).all()
+    day = run_day(start_day(scenario, "ac"), p1_policy())
+    assert totals(day).admitted == 0
+
+
+@given(scenarios(max_nodes=6))
+@settings(max_examples=12)
+def test_days_keep_every_limit_in_pandapower(scenario):
+    trace = run_day(start_day(scenario, "ac"), p1_policy())
+    assert all(step.plan.report.status == "optimal" for step in trace.steps)
+    assert totals(trace).broken == 0
+    station_kw = executed_station_kw(trace)
+    executed = ac_flow(scenario, station_kw)
+    base = ac_flow(scenario, np.zeros(scenario.intervals))
+    for breach in ac_breaches(scenario, executed, base):
+        share = {"pu": 1e-4, "kVA": 1e-3 * breach.depth}.get(breach.unit, 0.0)
+        assert breach.depth <= breach.base_depth + share + breach.tolerance
+
+
+def test_the_linearised_model_is_optimistic_where_voltage_binds():
+    """The preset is there to show it: AC refuses what linearised DistFlow allows."""
+    scenario = read_scenario(PRESETS / "voltage-limited")
+    scenario = edit_scenario(scenario, {"arrivals.vehicles_per_day": 120})
+    linear = run_day(start_day(scenario), p1_policy())
+    ac = run_day(start_day(scenario, "ac"), p1_policy())
+    assert worsened(scenario, executed_station_kw(linear))
+    assert worsened(scenario, executed_station_kw(ac)) == set()
+    assert totals(ac).admitted < totals(linear).admitted
+
+
+def test_headroom_is_computed_once_and_kept_to_the_bit():
+    scenario = read_scenario(PRESETS / "summer-weekday")
+    after = step(start_day(scenario, "ac"), p1_policy())
+    edited = revise(after, edit_scenario(scenario, {"option.C1.price_per_kwh": 0.5}))
+    assert edited.inputs.rows is after.inputs.rows
+    assert edited.inputs.network == "ac"
+    scaled = revise(after, edit_scenario(scenario, {"feeder.load_scale": 0.9}))
+    assert scaled.inputs.rows is not after.inputs.rows
+    again = ac_limit_rows(scenario)
+    assert np.array_equal(again.limit_kw, after.inputs.rows.limit_kw)
