@@ -63,7 +63,8 @@ PRESETS = (
     Preset(
         "voltage-limited",
         "Voltage limited",
-        "A large station at node 671, loads 8 % higher: voltage at node 652 binds, no transformer.",
+        "A large station at node 671, loads 8 % higher: the voltage at node 652 binds, "
+        "no transformer does.",
         "2020-07-15",
         "summer_weekday",
         station_node="671",
