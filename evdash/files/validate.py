@@ -127,8 +127,8 @@ class Places:
 
 
 def _draws_on(problem: Problem, faulty: Places) -> bool:
-    stands, *others = problem.places
-    return faulty.hold(stands) or any(faulty.touch(place) for place in others or [stands])
+    alone = len(problem.places) == 1
+    return any(faulty.touch(p) if alone else faulty.hold(p) for p in problem.places)
 
 
 def _told(problem: Problem, where: Where) -> Fault:

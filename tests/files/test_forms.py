@@ -55,6 +55,8 @@ def test_what_draws_on_a_faulty_place_stays_untold():
     assert len(faults_of(with_key(RECORDED, "option.0.name", 5))) == 1
     both = with_cell(with_key(RECORDED, "option.0.name", 5), "arrivals.csv", 3, "option", "C9")
     assert len(faults_of(both)) == 1
+    shares = {"C1": 0.5, "C2": "half"}  # the sum is then for nobody to judge
+    assert len(faults_of(with_key(GENERATED, "arrivals.option_share", shares))) == 1
 
 
 def test_what_does_not_draw_on_a_faulty_place_is_told_beside_it():
