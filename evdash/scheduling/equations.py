@@ -42,13 +42,15 @@ Equation = Callable[[Model], None]
 def build(data: Problem, equations: Sequence[Equation], name: str = "P1") -> Model:
     """The model made of `equations`; names are indices, as LP names allow few characters."""
     vehicles, slots = range(data.n_vehicles), range(data.n_slots)
+    lp = pulp.LpProblem(name, pulp.LpMinimize)
+    whole = pulp.LpBinary
     model = Model(
         data=data,
-        lp=pulp.LpProblem(name, pulp.LpMinimize),
-        u=[pulp.LpVariable(f"u_{n}", cat=pulp.LpBinary) for n in vehicles],
-        D=[[pulp.LpVariable(f"D_{n}_{t}", cat=pulp.LpBinary) for t in slots] for n in vehicles],
-        P=[[pulp.LpVariable(f"P_{n}_{t}", lowBound=0) for t in slots] for n in vehicles],
-        station_kw=[pulp.LpVariable(f"p_ev_{t}", lowBound=0) for t in slots],
+        lp=lp,
+        u=[lp.add_variable(f"u_{n}", cat=whole) for n in vehicles],
+        D=[[lp.add_variable(f"D_{n}_{t}", cat=whole) for t in slots] for n in vehicles],
+        P=[[lp.add_variable(f"P_{n}_{t}", lowBound=0) for t in slots] for n in vehicles],
+        station_kw=[lp.add_variable(f"p_ev_{t}", lowBound=0) for t in slots],
     )
     for equation in equations:
         equation(model)
@@ -104,7 +106,7 @@ def energy_owed(model: Model) -> None:
 def energy_owed_or_short(model: Model) -> None:
     """(7b) relaxed: Σ_t P·Δt + short = s, for what a broken contract would miss."""
     s, h = model.data.owed_kwh, model.data.interval_hours
-    model.short_kwh = [pulp.LpVariable(f"short_{n}", lowBound=0) for n in model.vehicles]
+    model.short_kwh = [model.lp.add_variable(f"short_{n}", lowBound=0) for n in model.vehicles]
     for n in model.vehicles:
         delivered = pulp.lpSum(h * model.P[n][t] for t in model.slots)
         model.lp += delivered + model.short_kwh[n] == s[n], f"energy_or_short_{n}"
