@@ -82,7 +82,7 @@ def bounds(field: FieldInfo) -> str:
     """What a field allows, in words."""
     words = {"Ge": "≥ ", "Gt": "> ", "Le": "≤ ", "Lt": "< "}
     told = [
-        f"{words[type(rule).__name__]}{getattr(rule, type(rule).__name__.lower()):,g}"
+        f"{words[type(rule).__name__]}{getattr(rule, type(rule).__name__.lower()):,.10g}"
         for rule in field.metadata
         if type(rule).__name__ in words
     ]

@@ -162,6 +162,19 @@ def test_key_that_is_no_usable_number(key, value, told):
     told_once(with_key(GENERATED, key, value), f"scenario.toml, {place}: ", told)
 
 
+@pytest.mark.parametrize(
+    "key",
+    [
+        *("feeder.base_mva", "feeder.base_kv", "feeder.power_factor", "station.max_kw"),
+        *("station.efficiency", "option.1.average_kw"),
+    ],
+)
+def test_divisor_too_small_to_compute_with(key):
+    for value in (0, 1e-300):
+        faults = faults_of(with_key(GENERATED, key, value))
+        assert any("should be at least " in fault for fault in faults), faults
+
+
 @pytest.mark.parametrize("key", COUNT_KEYS)
 @pytest.mark.parametrize("value", ["5", True, 1.5, 1.0, -1, 10**30, [], {}], ids=str)
 def test_key_that_is_no_usable_count(key, value):
