@@ -19,7 +19,7 @@ LOCAL_TIME_FORMAT = "%Y-%m-%dT%H:%M"
 FIRST_YEAR, LAST_YEAR = 1900, 2999
 
 # Bounds beyond anything real, so that no computation meets a number it cannot hold.
-LARGE = 1e6
+LARGE = 1e9
 SMALL = 0.01
 
 
@@ -122,8 +122,8 @@ class Node(Record):
     rating_kva: OptionalNumber = declare_optional(
         "Limit of the node's net injection", "kVA", ge=0, le=LARGE
     )
-    x: OptionalNumber = declare_optional("Drawing position, to the right", "", ge=-1e9, le=1e9)
-    y: OptionalNumber = declare_optional("Drawing position, upward", "", ge=-1e9, le=1e9)
+    x: OptionalNumber = declare_optional("Drawing position, to the right", "", ge=-LARGE, le=LARGE)
+    y: OptionalNumber = declare_optional("Drawing position, upward", "", ge=-LARGE, le=LARGE)
 
 
 class Line(Record):
@@ -158,9 +158,9 @@ class FleetModel(Record):
     """A row of `fleet.csv`: one vehicle model the generator draws from."""
 
     model: Name = declare("Name of the vehicle model", "", "Leaf")
-    share: float = declare("How often it comes, relative to the others", "", 1.0, ge=0, le=1e9)
+    share: float = declare("How often it comes, relative to the others", "", 1.0, ge=0, le=LARGE)
     battery_kwh: float = declare("Usable battery capacity", "kWh", 39.0, ge=0.1, le=10_000)
-    max_kw: float = declare("On-board charger limit", "kW", 6.6, ge=SMALL, le=10_000)
+    max_kw: float = declare("On-board charger limit", "kW", 6.6, ge=SMALL, le=LARGE)
 
 
 class Arrival(Record):
@@ -176,7 +176,7 @@ class Arrival(Record):
     battery_kwh: float = declare("Usable battery capacity", "kWh", 60.0, ge=0.1, le=10_000)
     soc_in: float = declare("State of charge on arrival", "0 to 1", 0.4, ge=0, le=1)
     soc_out: float = declare("State of charge wanted on return", "0 to 1", 0.8, ge=0, le=1)
-    max_kw: OptionalNumber = declare_optional("On-board charger limit", "kW", ge=SMALL, le=10_000)
+    max_kw: OptionalNumber = declare_optional("On-board charger limit", "kW", ge=SMALL, le=LARGE)
 
 
 BetaParameter = Annotated[Number, Field(ge=SMALL, le=1000)]
@@ -188,7 +188,7 @@ class ArrivalStatistics(Record):
     vehicles_per_day: Number = declare(
         "Mean number of vehicles arriving in 24 hours", "vehicles", 100.0, ge=0, le=1_000_000
     )
-    hourly_share: tuple[Annotated[Number, Field(ge=0, le=1e9)], ...] = declare(
+    hourly_share: tuple[Annotated[Number, Field(ge=0, le=LARGE)], ...] = declare(
         "Relative share of arrivals in each clock hour, 00 to 23 (scaled to sum 1)",
         "",
         (1.0,) * 24,
