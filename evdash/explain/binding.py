@@ -1,0 +1,54 @@
+"""Which element sets the headroom in which hours, and when it was reached."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from evdash.domain.limits import STATION
+from evdash.domain.trace import Step, Trace
+
+REACHED_KW = 0.05
+REACHED_SHARE = 1e-3
+"""Within 0.05 kW or 0.1 % of its limit an element counts as reached."""
+CHARGERS = "chargers"
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """One element and its intervals.
+
+    `tightest`: it sets the headroom, whether reached or not (never for chargers). `reached`:
+    the station drew all it leaves or, for chargers, all were in use.
+    """
+
+    element: str
+    tightest: tuple[int, ...]
+    reached: tuple[int, ...]
+
+
+def binding_elements(trace: Trace) -> tuple[Binding, ...]:
+    """Every element that was tightest or reached in the intervals executed, most often first."""
+    tightest: dict[str, list[int]] = {}
+    reached: dict[str, list[int]] = {}
+    for step in trace.steps:
+        if element := step.inputs.rows.binding()[step.interval]:
+            tightest.setdefault(element, []).append(step.interval)
+        for element in reached_in(step):
+            reached.setdefault(element, []).append(step.interval)
+    table = [
+        Binding(element, tuple(tightest.get(element, ())), tuple(reached.get(element, ())))
+        for element in dict.fromkeys([*tightest, *reached])
+    ]
+    return tuple(sorted(table, key=lambda row: (-len(row.reached), -len(row.tightest))))
+
+
+def reached_in(step: Step) -> Iterator[str]:
+    """The elements reached in the interval a step carried out."""
+    rows, interval = step.inputs.rows, step.interval
+    room_kw = np.maximum(0.0, rows.limit_kw[interval]) / rows.coefficient[:, STATION]
+    left_kw = room_kw - step.station_kw
+    for row in np.flatnonzero(left_kw <= np.maximum(REACHED_KW, REACHED_SHARE * room_kw)):
+        yield rows.elements[row]
+    if 0 < step.inputs.scenario.station.chargers <= int(step.plan.charging[0]):
+        yield CHARGERS

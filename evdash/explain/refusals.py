@@ -1,0 +1,136 @@
+"""Every refusal with its reason and its remedy: one vehicle at a time, off the step's path.
+
+Nothing here is called by a step. A day is explained vehicle by vehicle by a generator, which
+can be left at any vehicle; one picked vehicle by `explain_vehicle`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from evdash.domain.plan import Policy
+from evdash.domain.trace import Inputs, State, Step, Trace
+from evdash.domain.vehicles import Request
+from evdash.errors import SolverFailure
+from evdash.explain.causes import Cause, CauseKind, cause_of, kind_at_the_door
+from evdash.explain.causes_told import cause_told
+from evdash.explain.changes import NOTHING, longer
+from evdash.explain.remedies import NoRemedy, Remedy, later_return, remedies_of
+from evdash.explain.remedies_told import remedies_told
+from evdash.explain.terms import other_terms
+from evdash.explain.trials import Trials
+from evdash.horizon.advance import snapshot_of
+from evdash.scheduling.p1 import p1_policy
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Why one vehicle was refused, and what would have admitted it.
+
+    `detail` and `remedy` are sentences (`remedy` may be empty); `remedies` and `helpless`
+    are what the second says, each of the changes sought being in one of them.
+    """
+
+    vehicle: str
+    interval: int
+    cause: Cause
+    remedies: tuple[Remedy, ...]
+    helpless: tuple[NoRemedy, ...]
+    detail: str
+    remedy: str
+
+    @property
+    def text(self) -> str:
+        """Cause and remedy, one after the other."""
+        return f"{self.detail} {self.remedy}".strip()
+
+
+def explain_refusal(step: Step, vehicle: str, policy: Policy | None = None) -> Explanation:
+    """Why a step refused a vehicle; `policy` solves P1 anew, by default as the run does.
+
+    Raises ValueError if the step did not refuse it.
+    """
+    if vehicle not in {refusal.vehicle for refusal in step.plan.refused}:
+        raise ValueError(f"{vehicle} was not refused in interval {step.interval}")
+    trials = trials_of(step.inputs, step.before, vehicle, policy)
+    if step.plan.report.status == "optimal":  # P1's own answer; no need to ask again
+        trials.plans[NOTHING] = step.plan
+    return _explained(trials)
+
+
+def explain_vehicle(trace: Trace, vehicle: str, policy: Policy | None = None) -> Explanation:
+    """Why a vehicle was refused, whenever that was; raises ValueError if it was not."""
+    for step in trace.steps:
+        if vehicle in {refusal.vehicle for refusal in step.plan.refused}:
+            return explain_refusal(step, vehicle, policy)
+    if vehicle in {request.vehicle for request in too_late(trace)}:
+        return _explained(trials_of(trace.inputs, trace.state, vehicle, policy))
+    raise ValueError(f"{vehicle} was not refused")
+
+
+def explanations(trace: Trace, policy: Policy | None = None) -> Iterator[Explanation]:
+    """Everyone refused so far, in order of arrival; each is worked out when asked for."""
+    for step in trace.steps:
+        for refusal in step.plan.refused:
+            yield explain_refusal(step, refusal.vehicle, policy)
+    for request in too_late(trace):
+        yield explain_vehicle(trace, request.vehicle, policy)
+
+
+def too_late(trace: Trace) -> tuple[Request, ...]:
+    """Who came after the last interval had begun, once that is known."""
+    return trace.inputs.requests[trace.scenario.intervals] if trace.is_over else ()
+
+
+def trials_of(inputs: Inputs, state: State, vehicle: str, policy: Policy | None = None) -> Trials:
+    """What was known when a vehicle asked, ready to be solved again.
+
+    Beyond the horizon's end a snapshot has no slots; it gets one, in which nobody may charge.
+    """
+    snapshot = longer(inputs, snapshot_of(inputs, state), 1)
+    request = next(r for r in snapshot.requests if r.vehicle == vehicle)
+    return Trials(inputs, snapshot, request, policy or p1_policy())
+
+
+def _explained(trials: Trials) -> Explanation:
+    try:
+        door = kind_at_the_door(trials)
+        if door is not None:
+            return _worded(trials, Cause(door), _remedies_at_the_door(trials, door))
+        if trials.admits(NOTHING):
+            return _worded(trials, Cause("not P1"), ())
+        cause, remedies = cause_of(trials), remedies_of(trials)
+        return _worded(trials, _with_hours(trials, cause, remedies), remedies)
+    except SolverFailure:
+        return _worded(trials, Cause("not known"), ())
+
+
+def _remedies_at_the_door(trials: Trials, door: CauseKind) -> tuple[Remedy | NoRemedy, ...]:
+    if door == "after the end":
+        return (later_return(trials),)
+    return (*remedies_of(trials), *other_terms(trials))
+
+
+def _with_hours(trials: Trials, cause: Cause, remedies: tuple[Remedy | NoRemedy, ...]) -> Cause:
+    """The cause at the hours in which the least remedy is really used, where there is one."""
+    taken, binding = cause.taken, trials.snapshot.rows.binding()
+    for remedy in remedies:
+        if not isinstance(remedy, Remedy) or not remedy.intervals:
+            continue
+        if remedy.kind == "headroom" and taken.headroom:
+            now = trials.snapshot.now
+            taken = replace(taken, headroom=tuple((t, binding[t - now]) for t in remedy.intervals))
+        if remedy.kind == "chargers" and taken.chargers:
+            taken = replace(taken, chargers=remedy.intervals)
+    return replace(cause, taken=taken)
+
+
+def _worded(trials: Trials, cause: Cause, remedies: tuple[Remedy | NoRemedy, ...]) -> Explanation:
+    return Explanation(
+        vehicle=trials.vehicle,
+        interval=trials.snapshot.now,
+        cause=cause,
+        remedies=tuple(r for r in remedies if isinstance(r, Remedy)),
+        helpless=tuple(r for r in remedies if isinstance(r, NoRemedy)),
+        detail=cause_told(trials, cause),
+        remedy=remedies_told(trials, remedies),
+    )

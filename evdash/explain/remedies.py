@@ -1,0 +1,212 @@
+"""The least change that would have admitted a refused vehicle, found and verified by solving."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from evdash.explain.causes import slots_beyond_headroom, unlimited
+from evdash.explain.changes import NOTHING, Change
+from evdash.explain.search import Ladder
+from evdash.explain.trials import Trials
+from evdash.scheduling.problem import OPTIMALITY_USD
+
+RemedyKind = Literal["chargers", "headroom", "time", "price", "amount", "max_kw"]
+
+HEADROOM_STEP_KW = 0.1
+PRICE_STEP_USD = 1e-4
+MOST_HOURS_LATER = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """A change with which P1 admits the vehicle, and a little less with which it does not.
+
+    `amount`: chargers (count), headroom (kW, in every interval of its time), time (intervals
+    later), price ($/kWh more), amount (kWh more or, below zero, less), max_kw (kW more).
+    `least`: whether it is proven, to P1's cent, that nothing less would do; otherwise it is
+    the least found. `intervals`: those in which more headroom, or chargers, are really used;
+    more headroom in them alone admits the vehicle too.
+    """
+
+    kind: RemedyKind
+    amount: float
+    refused_at: float
+    least: bool
+    intervals: tuple[int, ...] = ()
+
+    @property
+    def change(self) -> Change:
+        """What `changed` takes to apply it."""
+        return change_by(self.kind, self.amount)
+
+    @property
+    def a_little_less(self) -> Change:
+        """What is no longer enough."""
+        return change_by(self.kind, self.refused_at)
+
+
+@dataclass(frozen=True, slots=True)
+class NoRemedy:
+    """A kind of change that does not help up to `most` (as Remedy.amount; inf: however much).
+
+    `proven` where no amount whatever can help; otherwise none was found.
+    """
+
+    kind: RemedyKind
+    most: float
+    proven: bool
+
+
+def change_by(kind: RemedyKind, amount: float) -> Change:
+    """The change of an amount of one thing."""
+    if kind == "chargers":
+        return Change(chargers=round(amount))
+    if kind == "headroom":
+        return Change(headroom_kw=amount)
+    if kind == "time":
+        return Change(later=round(amount))
+    if kind == "price":
+        return Change(price_per_kwh=amount)
+    return Change(need_kwh=amount) if kind == "amount" else Change(max_kw=amount)
+
+
+def remedies_of(trials: Trials) -> tuple[Remedy | NoRemedy, ...]:
+    """For chargers, headroom, time and price in turn: the least that would have done, or none."""
+    return (
+        more_chargers(trials),
+        more_headroom(trials),
+        later_return(trials),
+        higher_price(trials),
+    )
+
+
+def more_chargers(trials: Trials) -> Remedy | NoRemedy:
+    """n chargers more."""
+    everyone = unlimited(trials, chargers=True)
+    if everyone == NOTHING or cannot_help(trials, everyone):
+        return NoRemedy("chargers", np.inf, proven=True)
+    found = Ladder(trials, lambda n: change_by("chargers", n)).climb(1, everyone.chargers)
+    if found.steps is None:
+        return NoRemedy("chargers", np.inf, proven=found.least)
+    charging = trials.plan(change_by("chargers", found.steps)).charging
+    return Remedy(
+        kind="chargers",
+        amount=found.steps,
+        refused_at=found.steps - 1,
+        least=found.least,
+        intervals=_intervals(trials, np.flatnonzero(charging > trials.snapshot.chargers)),
+    )
+
+
+def more_headroom(trials: Trials) -> Remedy | NoRemedy:
+    """x kW more headroom, in every interval of the vehicle's time, in steps of 0.1 kW."""
+    everything = unlimited(trials, headroom=True)
+    room = trials.snapshot.rows.headroom_kw()[: trials.window]
+    if not np.isfinite(room).any() or cannot_help(trials, everything):
+        return NoRemedy("headroom", np.inf, proven=True)
+    ladder = Ladder(trials, lambda steps: change_by("headroom", _step_kw(steps)))
+    start = max(1, round(trials.request.max_kw / 4 / HEADROOM_STEP_KW))
+    most = int(np.ceil(trials.all_power_kw / HEADROOM_STEP_KW))
+    found = ladder.climb(start, most)
+    if found.steps is None:
+        return NoRemedy("headroom", np.inf, proven=found.least)
+    amount = _step_kw(found.steps)
+    return Remedy(
+        kind="headroom",
+        amount=amount,
+        refused_at=_step_kw(found.steps - 1),
+        least=found.least,
+        intervals=_intervals(trials, _slots_used(trials, change_by("headroom", amount))),
+    )
+
+
+def _step_kw(steps: int) -> float:
+    return round(steps * HEADROOM_STEP_KW, 6)
+
+
+def _intervals(trials: Trials, slots: Iterable[int]) -> tuple[int, ...]:
+    return tuple(trials.snapshot.now + int(slot) for slot in slots)
+
+
+def _slots_used(trials: Trials, change: Change) -> tuple[int, ...]:
+    """Slots in which more headroom is really used, dropping at both ends what is not needed.
+
+    The plan may draw on it early only because it costs nothing; what can go without the
+    vehicle being refused, goes.
+    """
+    used = slots_beyond_headroom(trials, trials.plan(change).station_kw)
+    if not used or not trials.admits(replace(change, slots=used)):
+        return tuple(range(trials.window))
+
+    def admits(first: int, end: int) -> bool:
+        return trials.admits(replace(change, slots=used[first:end]))
+
+    end = len(used)
+    first = _most_dropped(lambda n: admits(n, end), end - 1)
+    end -= _most_dropped(lambda n: admits(first, end - n), end - 1 - first)
+    return used[first:end]
+
+
+def _most_dropped(still_admits: Callable[[int], bool], most: int) -> int:
+    """How many slots can go, found by halving."""
+    kept, dropped = most + 1, 0
+    while kept - dropped > 1:
+        middle = (kept + dropped) // 2
+        if still_admits(middle):
+            dropped = middle
+        else:
+            kept = middle
+    return dropped
+
+
+def later_return(trials: Trials) -> Remedy | NoRemedy:
+    """A return y intervals later.
+
+    P1 without the vehicle stays as it is and P1 with it only gains, so that halving finds
+    the least.
+    """
+    hours = trials.snapshot.interval_hours
+    most = round(MOST_HOURS_LATER / hours)
+    if cannot_help(trials, Change(later=most)):
+        return NoRemedy("time", most, proven=True)
+    refused, later = 0, min(most, max(1, round(1 / hours)))
+    while not trials.admits(Change(later=later)):
+        if later == most:
+            return NoRemedy("time", most, proven=False)
+        refused, later = later, min(2 * later, most)
+    while later - refused > 1:
+        middle = (later + refused) // 2
+        if trials.admits(Change(later=middle)):
+            later = middle
+        else:
+            refused = middle
+    return Remedy("time", amount=later, refused_at=refused, least=True)
+
+
+def higher_price(trials: Trials) -> Remedy | NoRemedy:
+    """z $/kWh more, from what P1 costs with the vehicle and what it costs without.
+
+    P1 is optimal to a cent and no closer. The price told is one at which admitting is certain,
+    `refused_at` one at which refusing is; what lies between is left to chance.
+    """
+    request = trials.request
+    if not np.isfinite(trials.cost_with()):
+        return NoRemedy("price", np.inf, proven=True)
+    certain = trials.cost_with() - trials.bound_without + OPTIMALITY_USD
+    hopeless = trials.bound_with() - trials.cost_without - OPTIMALITY_USD
+    steps = np.ceil(certain / request.need_kwh / PRICE_STEP_USD)
+    less = np.floor(hopeless / request.need_kwh / PRICE_STEP_USD)
+    more, less = (round(max(n, 0) * PRICE_STEP_USD, 6) for n in (max(1, steps), less))
+    if not trials.admits(Change(price_per_kwh=more)) or trials.admits(Change(price_per_kwh=less)):
+        return NoRemedy("price", more, proven=False)
+    return Remedy("price", amount=more, refused_at=less, least=True)
+
+
+def cannot_help(trials: Trials, change: Change) -> bool:
+    """Whether it is certain that neither a change nor any smaller one admits the vehicle.
+
+    Less of it cannot make P1 with the vehicle cheaper, nor P1 without it dearer than it was.
+    """
+    return trials.bound_with(change) >= trials.cost_without

@@ -1,0 +1,117 @@
+"""P1 solved again at one interval with one thing changed, each change once."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from evdash.domain.plan import Plan, Policy, Snapshot
+from evdash.domain.trace import Inputs
+from evdash.domain.vehicles import Request
+from evdash.explain.changes import NOTHING, Change, asked, changed
+
+
+@dataclass(frozen=True, slots=True)
+class Trials:
+    """One refused vehicle at one interval, and the plans of all changes tried so far."""
+
+    inputs: Inputs
+    snapshot: Snapshot
+    request: Request
+    policy: Policy
+    plans: dict[Change, Plan] = field(default_factory=dict)
+
+    @property
+    def vehicle(self) -> str:
+        return self.request.vehicle
+
+    @property
+    def window(self) -> int:
+        """Slots the vehicle may charge in, count."""
+        return self.request.deadline_interval - self.snapshot.now
+
+    @property
+    def base(self) -> Plan:
+        """P1's plan as it was, without the vehicle."""
+        return self.plan(NOTHING)
+
+    @property
+    def others(self) -> frozenset[str]:
+        """The newcomers beside it."""
+        return frozenset(r.vehicle for r in self.snapshot.requests) - {self.vehicle}
+
+    @property
+    def idle_chargers(self) -> int:
+        """As many chargers more as could ever be used at once."""
+        everyone = len(self.snapshot.contracts) + len(self.snapshot.requests)
+        return max(0, everyone - self.snapshot.chargers)
+
+    @property
+    def all_power_kw(self) -> float:
+        """Headroom that cannot bind: everyone at full power."""
+        everyone = [contract.request for contract in self.snapshot.contracts]
+        return sum(r.max_kw for r in [*everyone, *self.snapshot.requests])
+
+    def plan(self, change: Change) -> Plan:
+        """P1's plan under a change."""
+        if change not in self.plans:
+            self.plans[change] = self.policy(
+                changed(self.inputs, self.snapshot, self.vehicle, change)
+            )
+        return self.plans[change]
+
+    def admits(self, change: Change) -> bool:
+        """Whether P1 admits the vehicle under a change."""
+        if asked(self.inputs, self.snapshot, self.request, change).refusal:
+            return False
+        return self.vehicle in self.plan(change).admitted
+
+    def cost(self, change: Change) -> float:
+        """P1's value under a change, $."""
+        return _objective(self.plan(change))
+
+    def forced(self, change: Change = NOTHING) -> Plan | None:
+        """P1's plan with the vehicle in, whatever it costs; None if no plan can hold it.
+
+        A bonus above all that could be lost by admitting it forces it in wherever it fits,
+        and P1's own answer says whether it does.
+        """
+        forcing = replace(change, bonus=self.bonus)
+        return self.plan(forcing) if self.admits(forcing) else None
+
+    def cost_with(self, change: Change = NOTHING) -> float:
+        """P1's value with the vehicle in and paying its own price, $; inf if it does not fit."""
+        plan = self.forced(change)
+        return np.inf if plan is None else _objective(plan) + self.bonus
+
+    def bound_with(self, change: Change = NOTHING) -> float:
+        """What P1's value with the vehicle in cannot fall below, $; inf if it does not fit."""
+        plan = self.forced(change)
+        return np.inf if plan is None else _bound(plan) + self.bonus
+
+    @property
+    def cost_without(self) -> float:
+        """P1's value as it was, $."""
+        return self.cost(NOTHING)
+
+    @property
+    def bound_without(self) -> float:
+        """What P1's value as it was cannot fall below, $."""
+        return _bound(self.base)
+
+    @property
+    def bonus(self) -> float:
+        """More than any two plans can differ by, $."""
+        owed_kwh = sum(contract.owed_kwh for contract in self.snapshot.contracts)
+        asked_kwh = sum(request.need_kwh for request in self.snapshot.requests)
+        dearest = float(np.abs(self.inputs.scenario.price_per_kwh).max())
+        revenue = sum(request.revenue for request in self.snapshot.requests)
+        return float(np.ceil(1 + revenue + 2 * dearest * (owed_kwh + asked_kwh)))
+
+
+def _objective(plan: Plan) -> float:
+    objective = plan.report.objective
+    return np.inf if objective is None else objective
+
+
+def _bound(plan: Plan) -> float:
+    return -np.inf if plan.report.bound is None else plan.report.bound
