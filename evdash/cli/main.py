@@ -106,6 +106,12 @@ def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     command.add_argument(
         "--force", action="store_true", help="replace an earlier run in the --out folder"
     )
+    command.add_argument(
+        "--explain",
+        action="store_true",
+        help="explain every refusal and what would have avoided it: in explanations.csv of the "
+        "--out folder, or printed without one",
+    )
     command.set_defaults(command=run)
 
 

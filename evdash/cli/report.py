@@ -9,6 +9,7 @@ from rich.table import Table
 
 from evdash.domain.breach import Breach
 from evdash.domain.trace import Trace
+from evdash.explain.refusals import Explanation
 from evdash.files.run_export import RunLabel, Verdict
 from evdash.metrics.records import IntervalRecord, interval_records, vehicle_records
 from evdash.metrics.totals import Totals, totals
@@ -33,6 +34,15 @@ def print_report(trace: Trace, verdict: Verdict, label: RunLabel, out: Path | No
     _print_verdict(console, trace, verdict, day)
     if out is not None:
         console.print(f"written to {escape(str(out))}", soft_wrap=True)
+
+
+def print_explanations(explained: Iterable[Explanation]) -> None:
+    """Every refusal with its reason and its remedy."""
+    console = Console(highlight=False)
+    for explanation in explained:
+        console.print(
+            f"[bold]{escape(explanation.vehicle)}[/] {escape(explanation.text)}", soft_wrap=True
+        )
 
 
 def _hourly(records: tuple[IntervalRecord, ...]) -> Table:

@@ -8,11 +8,13 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from evdash.checker.feeder import FeederCheck
-from evdash.cli.report import print_report
+from evdash.cli.report import print_explanations, print_report
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
+from evdash.explain.refusals import Explanation, explanations
 from evdash.files.bundled import DEFAULT
+from evdash.files.explanation_table import EXPLANATIONS, explanations_text
 from evdash.files.overrides import Setting, parse_settings
 from evdash.files.run_export import RunLabel, judge, run_files
 from evdash.files.run_folder import check_target, write_run
@@ -44,20 +46,41 @@ def run(options: argparse.Namespace) -> int:
         seed=scenario.arrivals.seed,
         wall_seconds=time.perf_counter() - began,
     )
+    explained = _explained(trace) if options.explain else ()
     if options.out is not None:
-        write_run(options.out, run_files(trace, verdict, label))
+        files = run_files(trace, verdict, label)
+        if options.explain:
+            files[EXPLANATIONS] = explanations_text(explained)
+        write_run(options.out, files)
     print_report(trace, verdict, label, options.out)
+    if options.out is None:
+        print_explanations(explained)
     return BROKEN if totals(trace).broken or verdict.broken_by_station(options.network) else 0
 
 
-def _with_progress(scenario: Scenario, network: Network, policy: Policy) -> Trace:
+def _explained(trace: Trace) -> tuple[Explanation, ...]:
+    """Every refusal explained."""
+    with _progress() as progress:
+        task = progress.add_task("explaining", total=totals(trace).refused)
+        explained = []
+        for explanation in explanations(trace):
+            explained.append(explanation)
+            progress.advance(task)
+    return tuple(explained)
+
+
+def _progress() -> Progress:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    return Progress(*columns, console=Console(stderr=True), transient=True)
+
+
+def _with_progress(scenario: Scenario, network: Network, policy: Policy) -> Trace:
+    with _progress() as progress:
         task = progress.add_task("preparing", total=scenario.intervals)
 
         def told(trace: Trace) -> None:
