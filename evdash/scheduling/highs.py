@@ -11,7 +11,6 @@ from scipy.sparse import csr_matrix
 
 from evdash.domain.limits import Floats
 from evdash.errors import SolverFailure
-from evdash.scheduling.problem import Bools
 
 TOLERANCE = 1e-9
 Kinds = NDArray[np.uint8]
@@ -159,8 +158,3 @@ class Session:
     def _set(self, options: Mapping[str, Any]) -> None:
         for name, value in options.items():
             self.solver.setOptionValue(name, value)
-
-
-def whole(mask: Bools) -> Kinds:
-    """Kinds of columns: whole where `mask` is true, else continuous."""
-    return np.where(mask, WHOLE, CONTINUOUS).astype(np.uint8)

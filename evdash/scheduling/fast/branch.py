@@ -6,7 +6,7 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.scheduling.fast.search import Search
-from evdash.scheduling.highs import SEMI_CONTINUOUS, WHOLE, Kinds, MilpOutcome
+from evdash.scheduling.highs import SEMI_CONTINUOUS, WHOLE, Kinds, LpPoint, MilpOutcome
 from evdash.scheduling.problem import Bools
 
 
@@ -26,14 +26,18 @@ def branch(
     settled: Settled,
     *,
     nodes: int,
+    only_u: bool = False,
     absolute_gap: float = 0.0,
     target: float = -np.inf,
 ) -> MilpOutcome:
-    """P1 with all that is not settled open; the bounds on pairs are lifted again afterwards."""
+    """P1 with all that is not settled open; the bounds on pairs are lifted again afterwards.
+
+    `only_u` leaves D, and P below its lowest power, continuous.
+    """
     at, session = search.relaxation.columns, search.session
     low = search.relaxation.charges.low_kw[at.vehicle]
     top = search.relaxation.charges.top_kw[at.vehicle]
-    has_d, open_pairs = at.d >= 0, ~settled.off & ~settled.on
+    has_d, open_pairs = at.d >= 0, ~settled.off & ~settled.on & (not only_u)
     kinds: Kinds = np.zeros(at.total, dtype=np.uint8)
     semi = np.flatnonzero(open_pairs & ~has_d & (low > 0))
     kinds[semi] = SEMI_CONTINUOUS
@@ -63,3 +67,18 @@ def cost_of_running(search: Search, lp_reduced_cost: Floats) -> Floats:
     dearer = np.maximum(0.0, lp_reduced_cost)
     cost = dearer[: at.n_pairs] * search.relaxation.charges.low_kw[at.vehicle]
     return np.asarray(cost + np.where(at.d >= 0, dearer[at.d], 0.0))
+
+
+def settled_by_reduced_costs(search: Search, root: LpPoint, allowed: float) -> Settled:
+    """What costs more than `allowed` above the LP `root`, $: pairs that run, u as it is not.
+
+    `root` is the LP without any bound on u but the program's own.
+    """
+    at, program = search.relaxation.columns, search.relaxation.program
+    reduced = root.reduced_cost[at.u]
+    lower, upper = program.lower[at.u].copy(), program.upper[at.u].copy()
+    free = lower < upper
+    upper[free & (reduced > allowed)] = 0.0
+    lower[free & (-reduced > allowed)] = 1.0
+    off = cost_of_running(search, root.reduced_cost) > allowed
+    return Settled(off, np.zeros_like(off), lower, upper)

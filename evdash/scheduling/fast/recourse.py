@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.domain.limits import Floats
-from evdash.scheduling.fast.branch import Settled, branch, cost_of_running
+from evdash.scheduling.fast.branch import Settled, branch
 from evdash.scheduling.fast.rows import Indices
 from evdash.scheduling.fast.search import CUT_ROUNDS, RUNNING_KW, Search
 from evdash.scheduling.highs import LpPoint
@@ -18,28 +18,23 @@ def schedule_for(search: Search, u: Floats) -> None:
     """Offer the cheapest schedule found for contracts `u` (vehicles,), until one is proven.
 
     First the LP, then its conflicts rounded away, then branch and bound over the pairs the LP
-    uses, last over all pairs whose reduced cost does not forbid them.
+    uses; wider neighbourhoods took longer than the full problem.
     """
     search.session.bound(search.relaxation.columns.u, u, u)
     lp = search.relaxed(CUT_ROUNDS)
     if lp is None:
         return
     rounded(search, lp, search.target)
-    for wider in (False, True):
-        if search.proven or search.out_of_time or lp.objective > search.target:
-            return
-        around(search, u, lp, wider)
+    if not search.proven and not search.out_of_time and lp.objective <= search.target:
+        around(search, u, lp)
 
 
-def around(search: Search, u: Floats, lp: LpPoint, wider: bool) -> None:
+def around(search: Search, u: Floats, lp: LpPoint) -> None:
     """Branch and bound near the LP's point: off where it is off, on where it is at the top."""
     at = search.relaxation.columns
     power = lp.values[: at.n_pairs]
-    off = cost_of_running(search, lp.reduced_cost) > search.target - lp.objective
-    on = np.zeros(at.n_pairs, dtype=bool)
-    if not wider:
-        off |= power <= RUNNING_KW
-        on = power >= search.relaxation.charges.top_kw[at.vehicle] - RUNNING_KW
+    off = power <= RUNNING_KW
+    on = power >= search.relaxation.charges.top_kw[at.vehicle] - RUNNING_KW
     outcome = branch(search, Settled(off, on & ~off, u, u), nodes=NODES, target=search.target)
     if outcome.values is not None:
         search.offer(outcome.values)
