@@ -1,0 +1,100 @@
+"""Worths of a day equal running it by hand; the table of binding elements equals the records."""
+
+import pytest
+
+from evdash.explain.binding import CHARGERS, binding_elements
+from evdash.explain.worth import binding_rating, day_worths
+from evdash.files.bundled import DEFAULT, PRESETS
+from evdash.files.overrides import edit_scenario
+from evdash.files.scenario_folder import read_scenario
+from evdash.horizon.day import run_day, start_day
+from evdash.horizon.revise import revise
+from evdash.metrics.records import interval_records
+from evdash.metrics.totals import totals
+from evdash.scheduling.p1 import p1_policy
+from tests.explain.cases import ran
+
+
+@pytest.fixture(scope="module")
+def bundled():
+    return ran(read_scenario(DEFAULT, ()))
+
+
+def raised(scenario):
+    lines = tuple(
+        line.model_copy(update={"rating_kva": 510.0}) if line.name == "633-634" else line
+        for line in scenario.lines
+    )
+    return scenario.replacing(lines=lines)
+
+
+def test_worths_equal_running_the_day_by_hand(bundled):
+    scenario, before = bundled.scenario, totals(bundled)
+    by_hand = (
+        edit_scenario(scenario, {"station.chargers": 13}),
+        raised(scenario),
+        edit_scenario(scenario, {"feeder.voltage_min_pu": 0.96, "feeder.voltage_max_pu": 1.04}),
+    )
+    worths = list(day_worths(bundled))
+    for worth, changed in zip(worths, by_hand, strict=True):
+        after = totals(ran(changed))
+        assert worth.profit == pytest.approx(after.profit - before.profit, abs=1e-9)
+        assert worth.admitted == after.admitted - before.admitted
+        assert worth.text.startswith(worth.what)
+    assert "one more charger" in worths[0].what.lower()
+    assert "633-634" in worths[1].what
+    assert worths[2].text.endswith("would have changed nothing.")
+
+
+def test_a_wider_band_is_worth_most_where_voltage_binds():
+    trace = ran(read_scenario(PRESETS / "voltage-limited", ()))
+    rows = binding_elements(trace)
+    assert rows[0].element.startswith("voltage_min:")
+    *_, band = day_worths(trace)
+    assert band.profit > 10
+    assert "earned $" in band.text
+
+
+def test_a_day_under_way_is_run_whole_under_its_present_inputs(bundled):
+    trace = start_day(bundled.scenario)
+    while trace.now < 12:
+        trace = run_day_to(trace, trace.now + 1)
+    trace = revise(trace, edit_scenario(trace.scenario, {"station.chargers": 11}))
+    first = next(day_worths(trace))
+    twelve = totals(bundled)
+    eleven = totals(ran(edit_scenario(bundled.scenario, {"station.chargers": 11})))
+    assert first.profit == pytest.approx(twelve.profit - eleven.profit, abs=1e-9)
+
+
+def run_day_to(trace, interval):
+    from evdash.horizon.day import step
+
+    while trace.now < interval:
+        trace = step(trace, p1_policy())
+    return trace
+
+
+def test_the_table_of_binding_elements_equals_the_records(bundled):
+    rows = {row.element: row for row in binding_elements(bundled)}
+    records = interval_records(bundled)
+    for element, row in rows.items():
+        if element != CHARGERS:
+            assert row.tightest == tuple(r.interval for r in records if r.binding == element)
+    full = tuple(r.interval for r in records if r.charging == 12)
+    assert rows[CHARGERS].reached == full
+    reached = tuple(r.interval for r in records if r.station_kw >= r.headroom_kw - 0.05)
+    assert rows["line:633-634"].reached == reached
+    assert binding_rating(bundled) == "line:633-634"
+
+
+def test_without_limits_nothing_binds():
+    scenario = read_scenario(DEFAULT, ())
+    free = scenario.replacing(
+        lines=tuple(line.model_copy(update={"rating_kva": None}) for line in scenario.lines)
+    )
+    trace = run_day(start_day(free), p1_policy())
+    assert binding_rating(trace) is None
+    assert [worth.what for worth in day_worths(trace)] == [
+        "One more charger",
+        "A voltage band wider by 0.01 pu on either side",
+    ]
