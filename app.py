@@ -2,8 +2,12 @@
 
 import streamlit as st
 
-from evdash.ui.page import begin
+from evdash.ui import page
 
-begin()
-pages = {"Learn": [st.Page("pages/live.py", title="Live", icon=":material/bolt:", default=True)]}
-st.navigation(pages, position="top").run()
+LIVE = "pages/live.py"
+
+page.begin()
+groups = {"Learn": [st.Page(LIVE, title="Live", icon=":material/bolt:", default=True)]}
+shown = st.navigation(groups, position="top")
+page.go_on(LIVE)
+shown.run()

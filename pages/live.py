@@ -2,9 +2,10 @@
 
 import streamlit as st
 
-from evdash.ui import controls, drive, live
+from evdash.ui import controls, drive, live, page
 from evdash.ui.session import current
 
+page.by_way_of_app("pages/live.py")
 session = current()
 controls.take_edits(session)
 controls.sidebar(session, live.view(session))

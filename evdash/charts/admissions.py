@@ -7,6 +7,7 @@ from evdash.charts.style import (
     VERMILLION,
     Figure,
     clock,
+    empty_note,
     figure,
     now_label,
     now_shapes,
@@ -46,7 +47,7 @@ def admissions_figure(trace: Trace, outlook: Outlook) -> Figure:
         | {"name": "Admitted", "y": admitted, "marker": {"color": GREEN}}
         | {"hovertemplate": "%{customdata}: %{y} admitted<extra></extra>"},
         whole
-        | {"name": "Refused", "y": refused}
+        | {"name": "Refused", "y": [count or None for count in refused]}
         | {"marker": REFUSED_LOOK}
         | {"hovertemplate": "%{customdata}: %{y} refused<extra></extra>"},
         {
@@ -74,7 +75,7 @@ def admissions_figure(trace: Trace, outlook: Outlook) -> Figure:
             nticks=6,
         ),
         shapes=now_shapes(outlook),
-        annotations=[now_label(outlook)] if outlook.now else [],
+        annotations=[now_label(outlook) if outlook.now else empty_note("Nobody has asked yet")],
     )
 
 

@@ -13,6 +13,7 @@ from evdash.charts.style import (
     Figure,
     clock,
     colour_of,
+    empty_note,
     figure,
     now_label,
     now_shapes,
@@ -28,10 +29,11 @@ from evdash.domain.vehicles import Request
 
 GANTT_MOST = 60
 """Beyond so many vehicles a bar is too thin to read and a heat map takes over."""
-HEIGHT_PX = 600
-LEAST_ROWS = 12
-PLOT_PX = HEIGHT_PX - 106
-LABEL_PX = 13
+HEIGHT_PX, TALL_PX = 600, 760
+FRAME_PX = 106
+LEAST_ROWS, TALL_FROM = 12, 43
+"""The axis has room for so many rows at least; from so many on the chart is taller."""
+LABEL_PX = 12
 # Cividis from its first visible shade on; no power is the colour of the pale window.
 POWER_SCALE = [
     [0.0, WINDOW],
@@ -115,6 +117,7 @@ def schedule_alt(trace: Trace, outlook: Outlook) -> str:
 def _gantt(trace: Trace, outlook: Outlook, rows: list[Row]) -> Figure:
     options = [option.name for option in trace.scenario.option]
     used = sorted({row.request.option for row in rows} - set(options))
+    height = HEIGHT_PX if len(rows) < TALL_FROM else TALL_PX
     traces = [_windows(outlook, rows)]
     for option in [*options, *used]:
         colour = colour_of(options, option)
@@ -123,19 +126,22 @@ def _gantt(trace: Trace, outlook: Outlook, rows: list[Row]) -> Figure:
     traces.append(_percents(outlook, rows))
     return figure(
         traces,
-        HEIGHT_PX,
+        height,
         barmode="overlay",
         margin={"l": 70, "r": 8, "t": 58, "b": 48},
         xaxis=time_axis(outlook, room=0.085),
-        yaxis=_row_axis(rows, max(LEAST_ROWS, len(rows))),
+        yaxis=_row_axis(rows, max(LEAST_ROWS, len(rows)), height),
         shapes=now_shapes(outlook),
-        annotations=[now_label(outlook)] if outlook.now else [],
+        annotations=[
+            *([now_label(outlook)] if outlook.now else []),
+            *([] if rows else [empty_note("Vehicles appear here once they are admitted")]),
+        ],
     )
 
 
-def _row_axis(rows: list[Row], shown: int) -> dict[str, Any]:
+def _row_axis(rows: list[Row], shown: int, height_px: int) -> dict[str, Any]:
     """One line a vehicle, the first on top; every n-th label, so that they never overlap."""
-    every = -(-LABEL_PX * shown // PLOT_PX)
+    every = max(1, round(LABEL_PX * shown / (height_px - FRAME_PX)))
     places = range(0, len(rows), every)
     return value_axis(
         "",
@@ -220,7 +226,7 @@ def _percents(outlook: Outlook, rows: list[Row]) -> dict[str, Any]:
         "y": list(range(len(rows))),
         "text": [f" {safe(_short(row.request.option))} {row.percent} %" for row in rows],
         "textposition": "middle right",
-        "textfont": {"size": 12 if len(rows) <= PLOT_PX // 12 else 10},
+        "textfont": {"size": 12 if len(rows) < TALL_FROM else 11},
         "hoverinfo": "skip",
         "cliponaxis": False,
     }
@@ -267,14 +273,15 @@ def _heat(outlook: Outlook, rows: list[Row]) -> Figure:
         "yanchor": "bottom",
         "yshift": 26,
         "showarrow": False,
-        "text": f"{len(rows)} vehicles under contract, one line each; pale: promised window",
+        "text": f"{len(rows)} vehicles under contract, one line each. Pale: promised window; "
+        "tinted: planned",
     }
     return figure(
         [heat],
-        HEIGHT_PX,
+        TALL_PX,
         margin={"l": 70, "r": 8, "t": 58, "b": 48},
         xaxis=time_axis(outlook),
-        yaxis=_row_axis(rows, len(rows)),
+        yaxis=_row_axis(rows, len(rows), TALL_PX),
         shapes=now_shapes(outlook),
         annotations=[*([now_label(outlook)] if outlook.now else []), note],
     )

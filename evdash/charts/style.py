@@ -104,6 +104,19 @@ def now_label(outlook: Outlook) -> dict[str, Any]:
     }
 
 
+def empty_note(text: str) -> dict[str, Any]:
+    """A word in the middle of a chart that has nothing to show yet."""
+    return {
+        "x": 0.5,
+        "xref": "paper",
+        "y": 0.5,
+        "yref": "paper",
+        "showarrow": False,
+        "text": text,
+        "font": {"size": FONT_PX + 2},
+    }
+
+
 def figure(traces: list[Trace], height: int, **layout: Any) -> Figure:
     """A figure with the look all charts share."""
     return {

@@ -6,6 +6,8 @@ from evdash.ui.referee import referee
 from evdash.ui.session import Session
 
 PLAY_SECONDS = 1.0
+PLAY_SHARE = 0.7
+"""The script itself calls the heartbeat, too: only after so much of a second is it time to step."""
 POLL_SECONDS = 0.4
 
 
@@ -24,29 +26,21 @@ def finish(session: Session) -> None:
 
 
 def heartbeat(session: Session) -> None:
-    """While playing, a step a second; while the AC check is under way, a look for its results."""
+    """While playing, a step a second; while the AC check is under way, a look for its results.
+
+    The fragment is there even if nothing is waited for: a browser's timer may ring once more.
+    """
+    known = len(referee.findings(session.run.trace))
+    waiting = known < len(session.run.trace.steps)
+    seconds = PLAY_SECONDS if session.mode == "playing" else POLL_SECONDS if waiting else None
+    st.fragment(_beat, run_every=seconds)(session, waiting=waiting)
+
+
+def _beat(session: Session, *, waiting: bool) -> None:
+    steps = session.run.trace.steps
     if session.mode == "playing":
-        st.fragment(_play, run_every=PLAY_SECONDS)(session, session.run.trace.now)
-    elif len(referee.findings(session.run.trace)) < len(session.run.trace.steps):
-        known = len(referee.findings(session.run.trace))
-        st.fragment(_poll, run_every=POLL_SECONDS)(session, known)
-
-
-def _play(session: Session, drawn: int) -> None:
-    """Step when the timer rings; the call that only sets the timer up does nothing."""
-    if _first_call(f"play:{drawn}") or session.mode != "playing":
-        return
-    session.step()
-    st.rerun()
-
-
-def _poll(session: Session, known: int) -> None:
-    findings = referee.findings(session.run.trace)
-    if len(findings) > known and len(findings) == len(session.run.trace.steps):
+        if session.seconds_since_step() >= PLAY_SHARE * PLAY_SECONDS:
+            session.step()
+            st.rerun()
+    elif waiting and len(referee.findings(session.run.trace)) == len(steps):
         st.rerun()
-
-
-def _first_call(name: str) -> bool:
-    """Whether the script itself calls, not the timer of a fragment."""
-    context = st.runtime.scriptrunner.get_script_run_ctx()
-    return context is None or not context.fragment_ids_this_run

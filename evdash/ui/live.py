@@ -59,7 +59,6 @@ def toolbar(session: Session) -> None:
             type="primary",
             icon=":material/skip_next:",
             disabled=trace.is_over or session.mode == "finishing",
-            help="Decide the next interval with what is known now, and carry it out.",
         )
         _modes(session)
         st.button(
@@ -104,7 +103,6 @@ def _modes(session: Session) -> None:
         key="play",
         icon=":material/pause:" if playing else ":material/play_arrow:",
         disabled=over or finishing,
-        help="A step every second.",
     )
 
 
@@ -236,7 +234,8 @@ def decision(session: Session) -> None:
         for line in decision_lines(last, ahead):
             st.markdown(line)
         if last.requests:
-            _table(session.once("requests", lambda: _requests(session)), "The answers")
+            rows = session.once("requests", lambda: _requests(session))
+            _table(rows, "Who asked, and the answer", height=min(280, 36 * len(rows) + 38))
 
 
 INTRODUCTION = (
@@ -253,14 +252,16 @@ DECISION_HELP = (
 
 def _requests(session: Session) -> list[dict[str, object]]:
     ahead, step = view(session), session.run.trace.steps[-1]
+    reasons = {refusal.vehicle: refusal.reason for refusal in step.plan.refused}
     return [
         {
             "Vehicle": request.vehicle,
             "Option": request.option,
             "kWh": round(request.need_kwh, 1),
             "Back by": clock(ahead.times[request.deadline_interval], ahead),
-            "Answer": "✓ yes" if request.vehicle in step.plan.admitted else "✗ no",
+            "Answer": "✗ no" if request.vehicle in reasons else "✓ yes",
         }
+        | ({"Why not": reasons.get(request.vehicle, "")} if reasons else {})
         for request in step.requests
     ]
 
@@ -345,7 +346,7 @@ def _ac_words(session: Session, found: dict[int, AcPoint]) -> None:
 def _limits(session: Session) -> None:
     ahead = view(session)
     first = 0 if session.run.trace.is_over else ahead.now
-    st.markdown("#### What limits charging when", help=LIMITS_HELP)
+    st.markdown("#### Limits by the hour", help=LIMITS_HELP)
     rows = session.once("limits", lambda: limit_rows(ahead, first))
     _table(rows, "Headroom of each interval and the element that sets it", height=320)
 
@@ -361,7 +362,7 @@ def limit_rows(ahead: Outlook, first: int) -> list[dict[str, object]]:
     return [
         {
             "From": clock(ahead.times[t], ahead),
-            "Room, kW": float(ahead.headroom_kw[t]) if ahead.binding[t] else None,
+            "Room, kW": round(float(ahead.headroom_kw[t])) if ahead.binding[t] else None,
             "Limited by": element_name(ahead.binding[t]),
         }
         for t in range(first, ahead.n_intervals)

@@ -13,7 +13,8 @@ STYLE = """
 [data-testid="stHeader"] { height: 2.4rem; min-height: 2.4rem; }
 [data-testid="stSidebarHeader"] { height: 2.2rem; margin-bottom: 0; }
 [data-testid="stSidebarUserContent"] { padding-bottom: 1rem; }
-.st-key-clock p { font-size: 2.5rem; line-height: 1; font-weight: 700; margin: 0;
+.st-key-clock { margin-top: -.8rem; }
+.st-key-clock p { font-size: 2.5rem; line-height: 2.5rem; font-weight: 700; margin: 0;
   font-variant-numeric: tabular-nums; }
 .st-key-sentence p { font-size: 1.3rem; line-height: 1.4; }
 .st-key-figures [data-testid="stMetricValue"] { font-variant-numeric: tabular-nums; }
@@ -21,11 +22,33 @@ STYLE = """
 """
 
 
+BEGUN, GOAL = "evdash:begun", "evdash:goal"
+
+
 def begin() -> None:
     """Settings and look of the page; the first Streamlit calls of a run."""
+    st.session_state[BEGUN] = True
     st.set_page_config(page_title="evdash", page_icon=ICON, layout="wide")
     st.html(STYLE)
     freeze()
+
+
+def by_way_of_app(page: str) -> None:
+    """Make sure that `app.py` comes first; the first line of every page.
+
+    If a server's very first visitor asks for a page other than `/`, Streamlit runs that page's
+    file alone. Then the goal is remembered, with the query, and the app goes on to it.
+    """
+    if BEGUN not in st.session_state:
+        st.session_state[GOAL] = page
+        st.switch_page("app.py", query_params=st.query_params.to_dict())
+
+
+def go_on(shown: str) -> None:
+    """Switch to the page remembered by `by_way_of_app`, unless it is the one about to be shown."""
+    goal = st.session_state.pop(GOAL, shown)
+    if goal != shown:
+        st.switch_page(goal, query_params=st.query_params.to_dict())
 
 
 @lru_cache(maxsize=1)

@@ -1,6 +1,7 @@
 """What one browser tab owns: its run, replaced whole under a lock, and what it has drawn."""
 
 import threading
+import time
 from collections.abc import Callable, Hashable, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -37,6 +38,7 @@ class Session:
         self.price_base: tuple[float, ...] = ()
         self.price_latest: tuple[float, ...] = ()
         self.price_revision = 0
+        self._stepped_at = 0.0
         self._lock = threading.Lock()
         self._drawn: dict[str, tuple[Trace, Hashable, Any]] = {}
 
@@ -49,6 +51,11 @@ class Session:
     def step(self) -> None:
         """Decide one interval."""
         self._change(lambda run: runs.stepped(run, policy))
+        self._stepped_at = time.monotonic()
+
+    def seconds_since_step(self) -> float:
+        """How long the last step has been on the screen."""
+        return time.monotonic() - self._stepped_at
 
     def back(self) -> None:
         """Undo the last step."""

@@ -1,7 +1,6 @@
 """One optimiser for everyone on this server: fair turns, and nothing solved twice."""
 
 import hashlib
-import pickle
 import threading
 from collections import OrderedDict, deque
 from collections.abc import Iterator
@@ -11,7 +10,7 @@ from evdash.domain.plan import Plan, Policy, Snapshot
 from evdash.scheduling.p1 import p1_policy
 
 SLOTS = 2
-MOST_PLANS = 2_000
+MOST_PLANS = 500
 
 
 class Turns:
@@ -53,7 +52,7 @@ def shared(policy: Policy, turns: Turns, most_plans: int = MOST_PLANS) -> Policy
     lock = threading.Lock()
 
     def remembered(snapshot: Snapshot) -> Plan:
-        key = hashlib.blake2b(pickle.dumps(snapshot), digest_size=20).digest()
+        key = fingerprint(snapshot)
         with lock:
             if key in plans:
                 plans.move_to_end(key)
@@ -67,6 +66,24 @@ def shared(policy: Policy, turns: Turns, most_plans: int = MOST_PLANS) -> Policy
         return plan
 
     return remembered
+
+
+def fingerprint(snapshot: Snapshot) -> bytes:
+    """A digest of everything a snapshot says; floats in full precision."""
+    rows = snapshot.rows
+    said = (
+        snapshot.now,
+        snapshot.interval_hours,
+        snapshot.chargers,
+        snapshot.contracts,
+        snapshot.requests,
+        rows.elements,
+    )
+    digest = hashlib.blake2b(repr(said).encode(), digest_size=20)
+    for array in (snapshot.price_per_kwh, rows.coefficient, rows.limit_kw, snapshot.tail_kw):
+        digest.update(repr(array.shape).encode())
+        digest.update(array.tobytes())
+    return digest.digest()
 
 
 policy: Policy = shared(p1_policy(), Turns(SLOTS))

@@ -16,7 +16,8 @@ from evdash.domain.trace import Step, Trace
 from evdash.metrics.totals import Totals
 
 _PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
-CENTS = 100
+MOST_REASONS = 3
+"""So many reasons are told in words; the table has them all."""
 
 
 def plain(text: str) -> str:
@@ -130,8 +131,11 @@ def decision_lines(step: Step, outlook: Outlook) -> list[str]:
             f"**{counted(asked, 'vehicle')} asked:** {len(plan.admitted)} admitted, "
             f"{len(plan.refused)} refused."
         ]
-    for reason, vehicles in _by_reason(step).items():
-        lines.append(f"Refused {_listed(vehicles)}: {plain(reason)}.")
+    reasons = sorted(_by_reason(step).items(), key=lambda item: -len(item[1]))
+    for reason, vehicles in reasons[:MOST_REASONS]:
+        lines.append(f"Refused, {plain(reason)}: {_listed(vehicles)}.")
+    if len(reasons) > MOST_REASONS:
+        lines.append("For the other refusals see the table.")
     lines.append(
         f"**{int(plan.charging[0])} charging** with {step.station_kw:,.1f} kW in all"
         + _of_headroom(step, outlook)
@@ -141,13 +145,14 @@ def decision_lines(step: Step, outlook: Outlook) -> list[str]:
 
 
 def _by_reason(step: Step) -> dict[str, list[str]]:
+    """Who was refused, by the reason without its figures."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for refusal in step.plan.refused:
-        reasons[refusal.reason].append(refusal.vehicle)
+        reasons[refusal.reason.partition(":")[0]].append(refusal.vehicle)
     return reasons
 
 
-def _listed(vehicles: list[str], most: int = 6) -> str:
+def _listed(vehicles: list[str], most: int = 5) -> str:
     named = ", ".join(plain(vehicle) for vehicle in vehicles[:most])
     rest = len(vehicles) - most
     return f"{named} and {rest} more" if rest > 0 else named
@@ -181,33 +186,33 @@ def quality(report: SolveReport) -> str:
 
 
 def ac_lines(breaches: list[Breach], scenario: Scenario, outlook: Outlook) -> list[str]:
-    """Limits exceeded in AC, worst first: how far, how long, and whose doing it is."""
-    by_element: dict[str, list[Breach]] = defaultdict(list)
+    """Limits exceeded in AC: how far, where, how long, and whose doing it is."""
+    kinds: dict[str, list[Breach]] = defaultdict(list)
     for breach in breaches:
-        by_element[breach.element].append(breach)
-    told = sorted(by_element.items(), key=lambda item: -_relative(item[1], scenario))
-    return [_breach_words(element, found, scenario, outlook) for element, found in told]
+        # voltages of neighbouring nodes go down together: one line for all of them
+        kind = breach.element.partition(":")[0]
+        kinds[kind if breach.unit == "pu" else breach.element].append(breach)
+    return [_breach_words(found, scenario, outlook) for found in kinds.values()]
 
 
-def _relative(found: list[Breach], scenario: Scenario) -> float:
-    """Depth on a scale that compares volts and ratings."""
-    deepest = max(found, key=lambda breach: breach.depth)
-    return deepest.depth if deepest.unit == "pu" else deepest.depth / 1000
-
-
-def _breach_words(element: str, found: list[Breach], scenario: Scenario, outlook: Outlook) -> str:
+def _breach_words(found: list[Breach], scenario: Scenario, outlook: Outlook) -> str:
     worst = max(found, key=lambda breach: breach.depth)
     depth = f"{worst.depth:.4f} pu" if worst.unit == "pu" else f"{worst.depth:,.1f} {worst.unit}"
-    beyond = "below" if element.startswith("voltage_min") else "above"
-    when = f"worst at {clock(outlook.times[worst.interval], outlook)}"
-    by_station = sum(breach.by_station for breach in found)
-    if by_station == 0:
-        cause = "the feeder's own doing, with or without charging"
-    elif all(breach.base_depth == 0 for breach in found):
-        cause = "caused by the station: without charging the limit holds"
-    else:
-        cause = "worsened by the station, though partly the feeder's own"
+    side = "below" if worst.element.startswith("voltage_min") else "above"
+    others = len({breach.element for breach in found}) - 1
+    also = f", and at {counted(others, 'other node')}" if others else ""
+    intervals = len({breach.interval for breach in found})
     return (
-        f"{depth} {beyond} {element_words(element, scenario)} in "
-        f"{counted(len(found), 'interval')}, {when}: {cause}."
+        f"Up to {depth} {side} {element_words(worst.element, scenario)}{also}, in "
+        f"{counted(intervals, 'interval')}, worst at "
+        f"{clock(outlook.times[worst.interval], outlook)}: {_cause(found)}."
     )
+
+
+def _cause(found: list[Breach]) -> str:
+    """Whose doing it is that limits are exceeded."""
+    if not any(breach.by_station for breach in found):
+        return "the feeder's own doing, with or without charging"
+    if not any(breach.base_depth > breach.tolerance for breach in found):
+        return "caused by the station; without charging the limit holds"
+    return "partly the feeder's own, and worsened by the station"

@@ -1,0 +1,112 @@
+"""The sentences: true to the trace, in plain words, and safe whatever things are called."""
+
+import re
+
+import pytest
+
+from evdash.domain.breach import Breach
+from evdash.domain.plan import SolveReport
+from evdash.domain.trace import Trace
+from evdash.files.bundled import DEFAULT
+from evdash.files.scenario_folder import read_scenario
+from evdash.horizon.day import run_day, start_day, step
+from evdash.metrics.outlook import outlook
+from evdash.metrics.totals import totals
+from evdash.scheduling.p1 import p1_policy
+from evdash.ui.words import ac_lines, decision_lines, element_words, money, plain, quality, story
+from tests.builders import line, make_scenario, node, vehicle
+
+P1 = p1_policy()
+
+
+@pytest.fixture(scope="module")
+def day() -> Trace:
+    return start_day(read_scenario(DEFAULT))
+
+
+def told(trace: Trace) -> str:
+    return story(trace, outlook(trace), totals(trace)).replace("\\", "").replace("*", "")
+
+
+def test_the_story_follows_the_day(day: Trace) -> None:
+    assert told(day).startswith("The day is about to begin. Line or transformer 633–634 (500 kVA)")
+    assert "18:00 will be its tightest hour, 61 kW left" in told(day)
+    trace = day
+    for _ in range(14):
+        trace = step(trace, P1)
+    sums = totals(trace)
+    charging = int(trace.steps[-1].plan.charging[0])
+    assert told(trace).startswith(
+        f"{sums.admitted} of {sums.arrived} PEVs admitted, {charging} charging."
+    )
+    over = run_day(trace, P1)
+    assert "51 of 99 PEVs admitted, every one charged in full and on time" in told(over)
+
+
+def test_the_decision_names_who_was_refused_and_why(day: Trace) -> None:
+    trace = run_day(day, P1)
+    evening = trace.steps[21]
+    lines = decision_lines(evening, outlook(trace))
+    assert lines[0] == f"**{len(evening.requests)} vehicles asked:** " + (
+        f"{len(evening.plan.admitted)} admitted, {len(evening.plan.refused)} refused."
+    )
+    reasons = {refusal.reason.partition(":")[0] for refusal in evening.plan.refused}
+    for reason in reasons:
+        assert any(reason in text for text in lines)
+    assert "Proven optimal to within 1 cent" in lines[-1]
+
+
+def test_quality_is_told_in_plain_words() -> None:
+    assert "1 cent" in quality(SolveReport("optimal", -5.0, -5.001, 0.2))
+    assert "\\$0.55" in quality(SolveReport("feasible", -5.0, -5.55, 20.0))
+    assert "not proven" in quality(SolveReport("feasible", -5.0, None, 20.0))
+    assert "previous plan" in quality(SolveReport("fallback", 1.0, None, 0.0, "no plan"))
+
+
+def test_violations_are_put_down_to_whoever_causes_them(day: Trace) -> None:
+    ahead = outlook(day)
+    by_station = Breach(18, "line:633-634", 9.4, 0.0, "kVA", 1e-3)
+    own = Breach(19, "voltage_min:652", 0.01, 0.01, "pu", 1e-6)
+    both = Breach(20, "voltage_min:652", 0.02, 0.01, "pu", 1e-6)
+    assert (
+        "9.4 kVA above line or transformer 633–634"
+        in ac_lines([by_station], day.scenario, ahead)[0]
+    )
+    assert "caused by the station" in ac_lines([by_station], day.scenario, ahead)[0]
+    assert "the feeder's own doing" in ac_lines([own], day.scenario, ahead)[0]
+    mixed = ac_lines([own, both], day.scenario, ahead)
+    assert len(mixed) == 1
+    assert "worsened by the station" in mixed[0]
+    assert "in 2 intervals" in mixed[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["x*b*", "a[l](http://e.example)", "c$x$", "d:red[no]", "e`f`", "g<b>"]
+)
+def test_names_cannot_become_markup(name: str) -> None:
+    scenario = make_scenario(
+        nodes=[node("s"), node(name)],
+        lines=[line("s", name, rating=50)],
+        station={"node": name},
+        vehicles=[vehicle(name), vehicle(f"{name}2", need_kwh=39.0)],
+    )
+    trace = step(start_day(scenario), P1)
+    everything = [
+        story(trace, outlook(trace), totals(trace)),
+        *decision_lines(trace.steps[0], outlook(trace)),
+        element_words(f"voltage_min:{name}", scenario),
+        element_words(f"line:s-{name}", scenario),
+    ]
+    for text in everything:
+        assert name not in text
+    assert plain(name) in everything[-1]
+
+
+def test_plain_text_has_no_live_punctuation() -> None:
+    assert not re.search(r"(?<!\\)[*_\[\]$:<`]", plain("a*b_c[d]$e:f<g`h"))
+
+
+def test_money_has_two_digits_and_one_sign() -> None:
+    assert money(1234.5) == "\\$1,234.50"
+    assert money(-0.004) == "\\$0.00"
+    assert money(-3) == "−\\$3.00"
