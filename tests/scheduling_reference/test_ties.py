@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from evdash.domain.plan import Plan, Snapshot
 from evdash.horizon.day import run_day, start_day, step
-from evdash.scheduling.p1 import TIE_USD, p1_policy
-from evdash.scheduling.problem import OPTIMALITY_USD
+from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.problem import OPTIMALITY_USD, TIE_USD
 from evdash.scheduling.reference import solve_reference
 from tests.builders import make_scenario, vehicle
 from tests.horizon.days import crowded_days, small_days, snapshots, with_headroom
