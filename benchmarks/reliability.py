@@ -82,7 +82,8 @@ def run_one(seed: int) -> Result:
 def _full_intervals(trace: Trace) -> tuple[int, int]:
     """In how many intervals every charger ran, and in how many no headroom was left."""
     headroom_kw = trace.inputs.rows.headroom_kw()
-    full = sum(step.plan.charging[0] == trace.scenario.station.chargers for step in trace.steps)
+    chargers = trace.scenario.station.chargers
+    full = sum(0 < chargers == step.plan.charging[0] for step in trace.steps)
     filled = sum(
         step.station_kw > max(1e-3, headroom_kw[step.interval] - 1e-3) for step in trace.steps
     )
