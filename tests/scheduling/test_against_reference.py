@@ -59,6 +59,14 @@ def test_whole_random_days(seed):
     run_day(start_day(random_scenario(seed)), p1_policy(both))
 
 
+def test_the_interval_highs_presolve_gets_wrong():
+    rng = np.random.default_rng(117)
+    problem = [random_problem(rng, max_vehicles=12, max_slots=8) for _ in range(50)][-1]
+    assert_agrees(problem)
+    # what CBC finds; with its presolve, HiGHS 1.15.1 calls 2.1646 optimal
+    assert solve_fast(problem, SECONDS).bound == pytest.approx(1.8617371, abs=1e-5)
+
+
 def one_vehicle(**changes) -> Problem:
     """One request of 12 kWh over two cheap-then-dear hours; fields as changed."""
     fields = {

@@ -36,10 +36,14 @@ class Rows:
 
     def limits(self) -> tuple[Floats, Floats]:
         """Lower and upper limit of every row so far."""
+        if self.count == 0:
+            return np.empty(0), np.empty(0)
         return np.concatenate(self.lower), np.concatenate(self.upper)
 
     def matrix(self, n_columns: int) -> csr_matrix:
         """All rows so far as one sparse matrix; a column appears once in a row."""
+        if self.count == 0:
+            return csr_matrix((0, n_columns))
         row, value = np.concatenate(self.row), np.concatenate(self.value)
         order = np.argsort(row, kind="stable")
         starts = np.zeros(self.count + 1, dtype=np.int32)

@@ -11,12 +11,12 @@ import numpy as np
 
 from evdash.scheduling.fast.charges import charges_of
 from evdash.scheduling.fast.full import everything_open
-from evdash.scheduling.fast.master import contracts_chosen, relaxation_solved
+from evdash.scheduling.fast.master import WHOLE_U, contracts_chosen, relaxation_solved
 from evdash.scheduling.fast.recourse import schedule_for
 from evdash.scheduling.fast.relaxation import Relaxation, relaxation_of
 from evdash.scheduling.fast.relevance import charger_slots
 from evdash.scheduling.fast.search import Search
-from evdash.scheduling.highs import Session
+from evdash.scheduling.highs import LpPoint, Session
 from evdash.scheduling.problem import Problem, Solution
 
 
@@ -33,13 +33,20 @@ def solve_fast(problem: Problem, seconds: float) -> Solution:
         cost=problem.tail_objective,
     )
     root = relaxation_solved(search)
-    if root is not None and not search.proven:
+    # a request worth less than the cent of proof is not turned away for it
+    if root is not None and not (search.proven and nobody_new(relaxation, root)):
         u = contracts_chosen(search, root)
-        if u is not None and not search.proven:
+        if u is not None:
             schedule_for(search, u)
         if not search.proven and not search.out_of_time:
             everything_open(search, root)
     return search.solution()
+
+
+def nobody_new(relaxation: Relaxation, root: LpPoint) -> bool:
+    """Whether the LP admits no part of any request."""
+    requests = relaxation.columns.u[relaxation.problem.n_contracts :]
+    return bool((root.values[requests] <= WHOLE_U).all())
 
 
 def made_from(problem: Problem) -> Relaxation:

@@ -1,0 +1,206 @@
+"""The fast solver against the plain formulation: `python -m benchmarks.solver [--quick]`.
+
+For every case the whole day is timed, drawing arrivals and building models included, and every
+interval; then the slowest intervals are given to plain P1 by HiGHS and by CBC, each with a limit,
+in the same run. Prints a table and the growth with vehicles, intervals and feeder nodes.
+"""
+
+import argparse
+import heapq
+import platform
+import resource
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from statistics import median
+
+import highspy
+import numpy as np
+import pulp
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks.cases import CASES, Case, bundled_day, in_quarter_hours, large_day, with_lateral
+from evdash.domain.scenario import Scenario
+from evdash.files.overrides import edit_scenario
+from evdash.horizon.day import run_day, start_day
+from evdash.scheduling.equations import P1, build
+from evdash.scheduling.fast.solver import solve_fast
+from evdash.scheduling.p1 import SECONDS_PER_INTERVAL, p1_policy
+from evdash.scheduling.problem import OPTIMALITY_USD, Problem, Solution
+
+HARD = 3
+"""How many of a case's slowest intervals the plain formulation is given."""
+
+
+@dataclass(slots=True)
+class Measured:
+    """What one case took: s per day, s per interval, share proven, and its slowest intervals."""
+
+    case: Case
+    day_seconds: list[float] = field(default_factory=list)
+    interval_seconds: list[float] = field(default_factory=list)
+    gaps: list[float] = field(default_factory=list)
+    arrived: int = 0
+    refused: int = 0
+    both_bind: list[int] = field(default_factory=list)
+    slowest: list[tuple[float, int, Problem]] = field(default_factory=list)
+
+
+def timed_day(scenario: Scenario, measured: Measured) -> None:
+    """Run a day, drawing arrivals and building models included, and note what it took."""
+
+    def solve(problem: Problem, seconds: float) -> Solution:
+        began = time.perf_counter()
+        solution = solve_fast(problem, seconds)
+        took = time.perf_counter() - began
+        entry = (took, len(measured.interval_seconds) + id(problem), problem)
+        heapq.heappush(measured.slowest, entry)
+        if len(measured.slowest) > HARD:
+            heapq.heappop(measured.slowest)
+        return solution
+
+    began = time.perf_counter()
+    trace = run_day(start_day(scenario), p1_policy(solve))
+    measured.day_seconds.append(time.perf_counter() - began)
+    binding = 0
+    headroom = trace.inputs.rows.headroom_kw()
+    for step in trace.steps:
+        report, plan = step.plan.report, step.plan
+        measured.interval_seconds.append(report.seconds)
+        bound = -np.inf if report.bound is None else report.bound
+        measured.gaps.append(0.0 if report.objective is None else report.objective - bound)
+        measured.arrived += len(step.requests)
+        measured.refused += len(plan.refused)
+        full = plan.charging[0] >= scenario.station.chargers
+        binding += bool(full and plan.station_kw[0] > headroom[step.interval] - 1.0)
+    measured.both_bind.append(binding)
+
+
+def plain(problem: Problem, solver: pulp.LpSolver) -> float:
+    """Seconds plain P1 takes with this solver, model building included."""
+    began = time.perf_counter()
+    build(problem, P1).lp.solve(solver)
+    return time.perf_counter() - began
+
+
+def plain_solvers(seconds: float) -> dict[str, pulp.LpSolver]:
+    """HiGHS and CBC as they come, to half a cent, on one thread, within `seconds`."""
+    return {
+        "HiGHS": pulp.HiGHS(msg=False, timeLimit=seconds, gapRel=0, gapAbs=0.004, threads=1),
+        "CBC": pulp.PULP_CBC_CMD(msg=False, timeLimit=seconds, gapRel=0, gapAbs=0.004, threads=1),
+    }
+
+
+def measure(cases: Sequence[Case], limit_seconds: float, console: Console) -> Table:
+    """The table: days and intervals of each case, and plain P1 on its slowest intervals."""
+    table = Table(title="P1 solved over whole days, s (plain P1: on our slowest intervals)")
+    for heading in (
+        "case",
+        "days",
+        "day median",
+        "day max",
+        "target",
+        "worst interval",
+        "target",
+        "proven",
+        "worst gap $",
+        "refused",
+        "both bind",
+        "ours",
+        "HiGHS",
+        "CBC",
+        "peak MB",
+    ):
+        table.add_column(heading, justify="left" if heading == "case" else "right")
+    for case in cases:
+        measured = Measured(case)
+        for seed in range(1, case.seeds + 1):
+            timed_day(case.scenario(seed), measured)
+        hard = [problem for _, _, problem in sorted(measured.slowest)]
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        ours = sum(_seconds(problem) for problem in hard)
+        by_plain = {
+            name: sum(plain(problem, solver) for problem in hard)
+            for name, solver in plain_solvers(limit_seconds).items()
+        }
+        proven = np.mean(np.array(measured.gaps) <= OPTIMALITY_USD)
+        table.add_row(
+            case.title,
+            str(case.seeds),
+            f"{median(measured.day_seconds):.3f}",
+            f"{max(measured.day_seconds):.3f}",
+            f"{case.day_target_seconds:g}",
+            f"{max(measured.interval_seconds):.3f}",
+            f"{case.worst_target_seconds:g}",
+            f"{proven:.2%}",
+            f"{max(measured.gaps):.4f}",
+            f"{measured.refused / measured.arrived:.0%}",
+            f"{min(measured.both_bind)}–{max(measured.both_bind)}",
+            f"{ours:.2f}",
+            *(f"{seconds:.1f} ({seconds / ours:.0f}×)" for seconds in by_plain.values()),
+            f"{memory:.0f}",
+        )
+        console.print(f"{case.title}: done", style="dim")
+    return table
+
+
+def _seconds(problem: Problem) -> float:
+    began = time.perf_counter()
+    solve_fast(problem, SECONDS_PER_INTERVAL)
+    return time.perf_counter() - began
+
+
+def growth(seeds: int) -> Table:
+    """Median seconds of a day as vehicles, intervals and feeder nodes grow."""
+    table = Table(title="growth: median s of a day")
+    for heading in ("what grows", "to", "day"):
+        table.add_column(heading, justify="right")
+    for vehicles in (50, 100, 200, 400, 800, 1600):
+        settings = {"arrivals.vehicles_per_day": float(vehicles), "station.chargers": 200}
+        days = [edit_scenario(bundled_day(seed), settings) for seed in range(1, seeds + 1)]
+        table.add_row("vehicles", str(vehicles), f"{_median_day(days):.3f}")
+    for days, intervals in (
+        ([large_day(seed) for seed in range(1, seeds + 1)], 24),
+        ([in_quarter_hours(large_day(seed)) for seed in range(1, seeds + 1)], 96),
+    ):
+        table.add_row("intervals (1,000 vehicles)", str(intervals), f"{_median_day(days):.3f}")
+    for nodes in (13, 50, 100, 250, 500):
+        days = [with_lateral(bundled_day(seed), nodes) for seed in range(1, seeds + 1)]
+        table.add_row("feeder nodes", str(nodes), f"{_median_day(days):.3f}")
+    return table
+
+
+def _median_day(days: Sequence[Scenario]) -> float:
+    took = []
+    for scenario in days:
+        began = time.perf_counter()
+        run_day(start_day(scenario), p1_policy())
+        took.append(time.perf_counter() - began)
+    return median(took)
+
+
+def main() -> None:
+    """Read the command line, measure, print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a tenth of the seeds")
+    parser.add_argument("--case", choices=[case.name for case in CASES], help="only this case")
+    parser.add_argument("--limit", type=float, default=60.0, help="s for plain P1 on an interval")
+    parser.add_argument("--growth", action="store_true", help="only the growth")
+    chosen = parser.parse_args()
+    cases = [case for case in CASES if chosen.case in (None, case.name)]
+    if chosen.quick:
+        cases = [replace(case, seeds=max(1, case.seeds // 10)) for case in cases]
+    console = Console(width=200)
+    console.print(
+        f"{platform.machine()}, Python {platform.python_version()}, "
+        f"HiGHS {highspy.Highs().version()}, PuLP {pulp.__version__}, NumPy {np.__version__}"
+    )
+    if not chosen.growth:
+        console.print(measure(cases, chosen.limit, console))
+    if chosen.growth or chosen.case is None:
+        console.print(growth(seeds=1 if chosen.quick else 3))
+
+
+if __name__ == "__main__":
+    main()
