@@ -117,12 +117,19 @@ def least_shortfall(snapshot: Snapshot) -> float:
     owed = sum(car.need for car in contracts)
     most = 0.0
     anything = [
-        [on for on in product((False, True), repeat=snapshot.n_slots) if not any(on[car.slots :])]
+        [
+            on
+            for on in product((False, True), repeat=snapshot.n_slots)
+            if not any(on[car.slots :]) and sum(on) * car.low_kw <= car.need + HAIR
+        ]
         for car in contracts
     ]
     for chosen in product(*anything):
         charging = np.array(chosen, dtype=bool).reshape(len(contracts), snapshot.n_slots)
-        if (charging.sum(axis=0) <= snapshot.chargers).all() and charging.any():
+        at_best = sum(
+            min(car.need, sum(on) * car.high_kw) for car, on in zip(contracts, chosen, strict=True)
+        )
+        if (charging.sum(axis=0) <= snapshot.chargers).all() and at_best > most:
             most = max(most, _most_delivered(contracts, charging, headroom_kw))
     return (owed - most) * snapshot.interval_hours
 
