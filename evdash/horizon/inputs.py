@@ -26,7 +26,7 @@ def prepare(scenario: Scenario, network: Network = "lindistflow") -> Inputs:
     )
 
 
-def prepare_from(scenario: Scenario, past: Inputs, now: int) -> Inputs:
+def prepare_from(scenario: Scenario, network: Network, past: Inputs, now: int) -> Inputs:
     """Inputs in force from interval `now` on: who came before stays, only the rest is redrawn.
 
     What those who came before asked for stays worded as it was. Once the day is over nobody
@@ -42,21 +42,22 @@ def prepare_from(scenario: Scenario, past: Inputs, now: int) -> Inputs:
         scenario=scenario,
         arrivals=(*came, *coming),
         requests=past.requests[:begin] + requests_by_interval(scenario, coming)[begin:],
-        rows=_rows_after(scenario, past),
-        network=past.network,
+        rows=_rows_after(scenario, network, past),
+        network=network,
     )
 
 
-def _rows_after(scenario: Scenario, past: Inputs) -> LimitRows:
+def _rows_after(scenario: Scenario, network: Network, past: Inputs) -> LimitRows:
     """The rows of before where nothing they depend on has changed, so that they stay to the bit."""
     before = past.scenario
     unchanged = (
-        all(getattr(scenario, part) == getattr(before, part) for part in FEEDER_PARTS)
+        network == past.network
+        and all(getattr(scenario, part) == getattr(before, part) for part in FEEDER_PARTS)
         and scenario.station.node == before.station.node
         and np.array_equal(scenario.load_pu, before.load_pu)
         and np.array_equal(scenario.generation_pu, before.generation_pu)
     )
-    return past.rows if unchanged else NETWORKS[past.network].rows(scenario)
+    return past.rows if unchanged else NETWORKS[network].rows(scenario)
 
 
 def _refuse_names_twice(came: list[Arrival], coming: list[Arrival]) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from evdash.checker.plans import plan_problems
 from evdash.domain.plan import SolveReport, tail_plan
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Trace
+from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, InputError, SolverFailure
 from evdash.horizon.advance import snapshot_of
 from evdash.horizon.day import start_day
@@ -16,8 +16,8 @@ from evdash.scheduling.shortfall import plan_for_contracts
 CLOCK = ("start", "interval_minutes", "intervals")
 
 
-def revise(trace: Trace, scenario: Scenario) -> Trace:
-    """The day with `scenario` in force from now on; the past stays.
+def revise(trace: Trace, scenario: Scenario, network: Network | None = None) -> Trace:
+    """The day with `scenario`, and `network` if given, in force from now on; the past stays.
 
     Before the first step the whole day changes. Later, contracts keep their terms, and
     arrivals are redrawn only from the interval being decided. If the certified tail no
@@ -25,10 +25,11 @@ def revise(trace: Trace, scenario: Scenario) -> Trace:
     place; where there is none, ImpossibleCommitments tells who would miss how much. The
     clock of a day under way cannot change: InputError.
     """
+    network = network or trace.inputs.network
     if not trace.steps:
-        return start_day(scenario, trace.inputs.network)
+        return start_day(scenario, network)
     _refuse_other_clock(trace.scenario, scenario)
-    inputs = prepare_from(scenario, trace.inputs, trace.now)
+    inputs = prepare_from(scenario, network, trace.inputs, trace.now)
     if trace.is_over:
         return replace(trace, inputs=inputs)
     check = limit_check(inputs)

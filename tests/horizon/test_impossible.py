@@ -24,7 +24,9 @@ MISSES_KWH = 1e-5
 
 
 def snapshot_under(trace: Trace, scenario) -> Snapshot:
-    return snapshot_of(prepare_from(scenario, trace.inputs, trace.now), trace.state)
+    return snapshot_of(
+        prepare_from(scenario, trace.inputs.network, trace.inputs, trace.now), trace.state
+    )
 
 
 def edit_and_check(trace: Trace, settings: dict[str, object]) -> Trace:

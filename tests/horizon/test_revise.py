@@ -13,11 +13,15 @@ from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.errors import ImpossibleCommitments, InputError
 from evdash.files.overrides import edit_scenario
+from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day, step
+from evdash.horizon.networks import limit_check
 from evdash.horizon.requests import first_interval
 from evdash.horizon.revise import revise
+from evdash.metrics.records import executed_station_kw
+from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
-from tests.builders import generator, make_scenario, vehicle
+from tests.builders import PRESETS, generator, make_scenario, vehicle
 from tests.horizon.days import with_headroom
 
 P1 = p1_policy()
@@ -237,3 +241,20 @@ def test_random_days_keep_every_promise_through_edits_at_every_turn(seed):
         trace = step(trace, P1)
     assert contracts_made(trace)
     assert problems_of_day(trace, same_inputs=False) == []
+
+
+def test_the_network_model_can_change_in_mid_day():
+    scenario = read_scenario(PRESETS / "summer-weekday")
+    trace = stepped(scenario, 16)
+    changed = revise(trace, scenario, "ac")
+    assert changed.steps == trace.steps
+    assert changed.inputs.network == "ac"
+    assert (changed.inputs.rows.headroom_kw() < trace.inputs.rows.headroom_kw()).all()
+    check = limit_check(changed.inputs)
+    ended = run_day(changed, P1)
+    assert totals(ended).broken == 0
+    breaches = check.breaches(executed_station_kw(ended))
+    assert not [b for b in breaches if b.by_station and b.interval >= 16]
+    assert revise(changed, scenario).inputs.network == "ac"
+    back = revise(changed, scenario, "lindistflow")
+    assert np.array_equal(back.inputs.rows.limit_kw, trace.inputs.rows.limit_kw)
