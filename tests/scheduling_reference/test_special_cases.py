@@ -7,6 +7,7 @@ from evdash.domain.plan import Plan
 from evdash.horizon.advance import snapshot_of
 from evdash.horizon.day import run_day, start_day, step
 from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.problem import Problem, Solution
 from evdash.scheduling.reference import solve_reference
 from tests.builders import generator, make_scenario, vehicle
 from tests.horizon.days import with_headroom
@@ -173,3 +174,23 @@ def test_an_interval_that_highs_presolve_calls_infeasible_is_solved_all_the_same
     snapshot = snapshot_of(trace.inputs, trace.steps[7].before)
     tail_cost = float(snapshot.price_per_kwh @ snapshot.tail_kw.sum(axis=0))
     assert trace.steps[7].plan.report.objective <= tail_cost + 1e-9
+
+
+def test_the_tail_is_kept_where_the_solver_has_nothing_cheaper():
+    """A solver stopped early may hand over a plan worth less than what remains of the last."""
+    scenario = make_scenario(
+        price=[0.3, 0.1, 0.2, 0.1], vehicles=[vehicle("v", need_kwh=12.0, option="C2", max_kw=8.0)]
+    )
+    begun = step(start_day(scenario), P1)
+    assert begun.state.contracts
+
+    def dear(problem: Problem, seconds: float) -> Solution:
+        power_kw = np.array([[4.0, 8.0, 0.0][: problem.n_slots]])
+        return Solution(np.array([True]), power_kw, bound=-np.inf)
+
+    kept = step(begun, p1_policy(dear)).steps[-1].plan
+    snapshot = snapshot_of(begun.inputs, begun.state)
+    cost = snapshot.price_per_kwh @ kept.power_kw.sum(axis=0)
+    assert cost <= snapshot.price_per_kwh @ snapshot.tail_kw.sum(axis=0) + 1e-9
+    assert cost < snapshot.price_per_kwh @ [4.0, 8.0, 0.0]
+    assert kept.report.status == "feasible"
