@@ -1,7 +1,8 @@
 """Lossless DistFlow by walking the feeder, and which limits the station worsens.
 
 Instead of R and X matrices this walks from the leaves to the source for flows and back for
-voltages, as in v_child = v_parent − 2 (r P + x Q), so that it can referee them.
+voltages, as in v_child = v_parent − 2 (r P + x Q), so that it can referee them. The walk is
+linear in the station's power: taken once without it and once with UNIT_KW, it is known for any.
 """
 
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 
+UNIT_KW = 1000.0
 TOLERANCE_KW = 1e-6
 TOLERANCE_PU = 1e-9
 
@@ -28,13 +30,15 @@ class Sweep:
 
 
 class FeederCheck:
-    """A scenario's feeder, walked once without the station and held against its limits."""
+    """A scenario's feeder, walked without the station and with it, held against its limits."""
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
         self.order, self.parent, self.line_of = self._walk()
-        self.base = self.sweep(np.zeros(scenario.intervals))
-        self._base_depths = self._depths(self.base)
+        none = np.zeros(scenario.intervals)
+        self.base = self.sweep(none)
+        self.loaded = _Loaded.between(self.base, self.sweep(none + UNIT_KW), self._rated())
+        self._base_depths = self._depths(none)
 
     def _walk(self) -> tuple[list[str], dict[str, str], dict[str, int]]:
         neighbours: dict[str, list[tuple[str, int]]] = {n.node: [] for n in self.scenario.nodes}
@@ -81,54 +85,102 @@ class FeederCheck:
         net_kw[self.scenario.station.node] = net_kw[self.scenario.station.node] + station_kw
         return net_kw, net_kvar
 
+    def _rated(self) -> "list[_Rated]":
+        """Every rating: of a node's net injection, of what flows through a line."""
+        source = self.scenario.feeder.source_node
+        nodes = [
+            _Rated(node.node, f"node:{node.node}", node.rating_kva, injection=True)
+            for node in self.scenario.nodes
+            if node.rating_kva is not None and node.node != source
+        ]
+        lines = ((node, self.scenario.lines[row]) for node, row in self.line_of.items())
+        return nodes + [
+            _Rated(node, f"line:{line.name}", line.rating_kva, injection=False)
+            for node, line in lines
+            if line.rating_kva is not None
+        ]
+
     def breaches(self, station_kw: Floats) -> list[Breach]:
         """Every limit exceeded in any interval, by the station or by the feeder itself."""
-        tolerances = {"pu": TOLERANCE_PU, "kW": TOLERANCE_KW}
-        # paired by position: names of lines may coincide (a to b-c, a-b to c)
-        pairs = zip(self._depths(self.sweep(station_kw)), self._base_depths, strict=True)
+        limits, depths = self.loaded.limits, self._depths(station_kw)
+        tolerance = np.array([TOLERANCE_PU if unit == "pu" else TOLERANCE_KW for _, unit in limits])
         return [
             Breach(
                 interval=int(t),
-                element=element,
-                depth=float(depth[t]),
-                base_depth=float(base_depth[t]),
-                unit=unit,
-                tolerance=tolerances[unit],
+                element=limits[i][0],
+                depth=float(depths[i, t]),
+                base_depth=float(self._base_depths[i, t]),
+                unit=limits[i][1],
+                tolerance=float(tolerance[i]),
             )
-            for (element, depth, unit), (_, base_depth, _) in pairs
-            for t in np.flatnonzero(depth > tolerances[unit])
+            for i, t in np.argwhere(depths > tolerance[:, None])
         ]
 
-    def _depths(self, sweep: Sweep) -> list[tuple[str, Floats, str]]:
-        """How far each side of each limit is exceeded, 0 where kept: (element, depth, unit)."""
-        depths: list[tuple[str, Floats, str]] = []
-        limits = self.scenario.feeder
-        for node in self.scenario.nodes:
-            if node.node == limits.source_node:
-                continue
-            squared = sweep.voltage_sq_pu[node.node]
-            # the root with its sign, so that charging still worsens a voltage past collapse
-            voltage = np.sign(squared) * np.sqrt(np.abs(squared))
-            low, high = limits.voltage_min_pu - voltage, voltage - limits.voltage_max_pu
-            depths.append((f"voltage_min:{node.node}", np.maximum(0.0, low), "pu"))
-            depths.append((f"voltage_max:{node.node}", np.maximum(0.0, high), "pu"))
-            if node.rating_kva is not None:
-                flows = sweep.net_kw[node.node], sweep.net_kvar[node.node]
-                depths += _sides(f"node:{node.node}", *flows, node.rating_kva)
-        for node_name, row in self.line_of.items():
-            line = self.scenario.lines[row]
-            if line.rating_kva is not None:
-                flows = sweep.flow_kw[node_name], sweep.flow_kvar[node_name]
-                depths += _sides(f"line:{line.name}", *flows, line.rating_kva)
-        return depths
+    def _depths(self, station_kw: Floats) -> Floats:
+        """How far each side of each limit is exceeded, 0 where kept, (limits, intervals)."""
+        feeder, loaded = self.scenario.feeder, self.loaded
+        squared = loaded.voltage_sq_pu + loaded.voltage_sq_per_kw * station_kw
+        # the root with its sign, so that charging still worsens a voltage past collapse
+        voltage = np.sign(squared) * np.sqrt(np.abs(squared))
+        active_kw = loaded.active_kw + loaded.active_per_kw * station_kw
+        sides = (
+            feeder.voltage_min_pu - voltage,
+            voltage - feeder.voltage_max_pu,
+            active_kw - loaded.room_kw,
+            -active_kw - loaded.room_kw,
+        )
+        return np.maximum(0.0, np.concatenate(sides))
 
 
-def _sides(
-    element: str, active_kw: Floats, reactive_kvar: Floats, rating_kva: float
-) -> list[tuple[str, Floats, str]]:
-    """Import and export side of a rating, kW beyond what the reactive flow leaves of it."""
-    room = np.sqrt(np.maximum(0.0, rating_kva**2 - reactive_kvar**2))
-    return [
-        (element, np.maximum(0.0, active_kw - room), "kW"),
-        (f"{element}:export", np.maximum(0.0, -active_kw - room), "kW"),
-    ]
+@dataclass(frozen=True, slots=True)
+class _Rated:
+    """A rating, kVA, on what flows into `node`, or on its net injection alone."""
+
+    node: str
+    element: str
+    rating_kva: float
+    injection: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Loaded:
+    """Everything limited, without the station and per kW of it.
+
+    `limits`: element and unit, lower and upper voltages first, then both sides of ratings.
+    Shapes: voltages (nodes, intervals) and (nodes, 1); active_kw and room_kw, what reactive
+    power leaves of a rating, (ratings, intervals); active_per_kw (ratings, 1).
+    """
+
+    limits: list[tuple[str, str]]
+    voltage_sq_pu: Floats
+    voltage_sq_per_kw: Floats
+    active_kw: Floats
+    active_per_kw: Floats
+    room_kw: Floats
+
+    @classmethod
+    def between(cls, base: Sweep, unit: Sweep, rated: list[_Rated]) -> "_Loaded":
+        """From the walk without the station and the one with UNIT_KW of it."""
+        nodes = list(base.voltage_sq_pu)[1:]  # the source's is held
+        shape = (-1, len(base.voltage_sq_pu[nodes[0]]))
+
+        def active(sweep: Sweep) -> Floats:
+            flows = [(sweep.net_kw if r.injection else sweep.flow_kw)[r.node] for r in rated]
+            return np.reshape(flows, shape)
+
+        def squared(sweep: Sweep) -> Floats:
+            return np.array([sweep.voltage_sq_pu[node] for node in nodes])
+
+        reactive = [(base.net_kvar if r.injection else base.flow_kvar)[r.node] for r in rated]
+        ratings = np.array([r.rating_kva for r in rated])[:, None]
+        return cls(
+            limits=[(f"voltage_min:{node}", "pu") for node in nodes]
+            + [(f"voltage_max:{node}", "pu") for node in nodes]
+            + [(r.element, "kW") for r in rated]
+            + [(f"{r.element}:export", "kW") for r in rated],
+            voltage_sq_pu=squared(base),
+            voltage_sq_per_kw=(squared(unit) - squared(base))[:, :1] / UNIT_KW,
+            active_kw=active(base),
+            active_per_kw=(active(unit) - active(base))[:, :1] / UNIT_KW,
+            room_kw=np.sqrt(np.maximum(0.0, ratings**2 - np.reshape(reactive, shape) ** 2)),
+        )

@@ -1,11 +1,11 @@
 """Among plans of equal worth, the earliest: room later is room for who comes next."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
 
 from evdash.domain.limits import Floats
 from evdash.scheduling.highs import LinearProgram, Session
 from evdash.scheduling.problem import Bools, Problem
+from evdash.scheduling.rows import Rows
 
 
 def earliest_first(
@@ -19,29 +19,19 @@ def earliest_first(
     vehicle, slot = np.nonzero(charging)
     if not len(vehicle):
         return power_kw
-    hours, rows = problem.interval_hours, problem.rows
-    columns = np.arange(len(vehicle))
-    entries = [(vehicle, np.full(len(vehicle), hours))]
-    lower, upper = [power_kw.sum(axis=1) * hours], [power_kw.sum(axis=1) * hours]
-    for row in range(len(rows.elements)):
-        offset = problem.n_vehicles + row * problem.n_slots
-        entries.append((offset + slot, np.full(len(vehicle), rows.coefficient[row, 0])))
-        lower.append(np.full(problem.n_slots, -np.inf))
-        upper.append(rows.limit_kw[:, row])
-    cost_row = problem.n_vehicles + len(rows.elements) * problem.n_slots
-    entries.append((np.full(len(vehicle), cost_row), problem.price_per_kwh[slot] * hours))
-    matrix = coo_matrix(
-        (
-            np.concatenate([values for _, values in entries]),
-            (np.concatenate([index for index, _ in entries]), np.tile(columns, len(entries))),
-        ),
-        shape=(cost_row + 1, len(vehicle)),
-    ).tocsr()
+    hours, headroom = problem.interval_hours, problem.rows.headroom_kw()
+    pairs, rows = np.arange(len(vehicle)), Rows()
+    energy = power_kw.sum(axis=1) * hours
+    rows.add(problem.n_vehicles, energy, energy, (vehicle, pairs, hours))
+    # with one port the tightest row of a slot implies its others
+    rows.add(problem.n_slots, -np.inf, headroom, (slot, pairs, 1.0))
+    rows.add(1, -np.inf, cost_limit, (0 * pairs, pairs, problem.price_per_kwh[slot] * hours))
+    row_lower, row_upper = rows.limits()
     program = LinearProgram(
         cost=(slot * hours).astype(np.float64),
-        matrix=matrix,
-        row_lower=np.concatenate([*lower, [-np.inf]]),
-        row_upper=np.concatenate([*upper, [cost_limit]]),
+        matrix=rows.matrix(len(pairs)),
+        row_lower=row_lower,
+        row_upper=row_upper,
         lower=problem.low_kw[vehicle],
         upper=problem.high_kw[vehicle],
     )

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.scheduling.fast.charges import Charges
-from evdash.scheduling.fast.rows import Indices
 from evdash.scheduling.problem import Bools, Problem
+from evdash.scheduling.rows import Indices
 
 
 @dataclass(frozen=True, slots=True)

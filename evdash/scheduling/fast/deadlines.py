@@ -5,8 +5,8 @@ import numpy as np
 from evdash.domain.limits import Floats
 from evdash.scheduling.fast.charges import Charges
 from evdash.scheduling.fast.columns import Columns
-from evdash.scheduling.fast.rows import Rows
 from evdash.scheduling.problem import Bools, Problem
+from evdash.scheduling.rows import Rows
 
 
 def energy_by_deadlines(

@@ -6,9 +6,9 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.scheduling.fast.branch import Settled, branch
-from evdash.scheduling.fast.rows import Indices
 from evdash.scheduling.fast.search import CUT_ROUNDS, RUNNING_KW, Search
 from evdash.scheduling.highs import LpPoint
+from evdash.scheduling.rows import Indices
 
 NODES = 500
 DIVES = 12

@@ -11,9 +11,9 @@ from evdash.domain.limits import Floats
 from evdash.scheduling.fast.charges import Charges
 from evdash.scheduling.fast.columns import Columns, columns_of
 from evdash.scheduling.fast.deadlines import energy_by_deadlines, slots_by_deadlines
-from evdash.scheduling.fast.rows import Rows
 from evdash.scheduling.highs import LinearProgram
 from evdash.scheduling.problem import Bools, Problem
+from evdash.scheduling.rows import Rows
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.scheduling.fast.relaxation import Relaxation
-from evdash.scheduling.fast.rows import Rows
+from evdash.scheduling.rows import Rows
 
 VIOLATION_SLOTS = 1e-3
 """How far Σ must lie below m·u for a cut to be worth a row."""
