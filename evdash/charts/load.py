@@ -86,12 +86,20 @@ def units_figure(outlook: Outlook) -> Figure:
         traces,
         IN_UNITS_HEIGHT_PX,
         margin={"l": 72, "r": 76, "t": 56, "b": 48},
+        xaxis=time_axis(outlook) | {"anchor": "y2"},
         yaxis=value_axis(
-            "Station, kW", domain=[0.54, 1], range=[0, 1.1 * _station_top_kw(outlook)]
+            "Station, kW", domain=[0.55, 1], range=[0, 1.1 * _station_top_kw(outlook)]
         ),
-        yaxis2=value_axis("Feeder, kW", domain=[0, 0.42], rangemode="tozero"),
+        yaxis2=value_axis("Feeder, kW", domain=[0, 0.45], rangemode="tozero"),
         yaxis3=value_axis(
-            "Price, $/kWh", overlaying="y2", side="right", rangemode="tozero", showgrid=False
+            "Price, $/kWh",
+            overlaying="y2",
+            side="right",
+            rangemode="tozero",
+            showgrid=False,
+            tickmode="auto",
+            nticks=4,
+            tickformat=".2~f" if np.abs(outlook.price_per_kwh).max() > 0.5 else ".3~f",
         ),
     )
 
@@ -135,9 +143,7 @@ def _station(outlook: Outlook, factor: float, shown: str) -> list[dict[str, Any]
     )
     return [
         executed,
-        step_line(
-            outlook, factor * planned, name="Station, plan", line=PLANNED, hovertemplate=shown
-        ),
+        step_line(outlook, factor * planned, name="Plan", line=PLANNED, hovertemplate=shown),
         step_line(
             outlook,
             factor * outlook.headroom_kw,
@@ -152,19 +158,19 @@ def _over_time(outlook: Outlook, traces: list[Any], height: int, **layout: Any) 
     return figure(
         traces,
         height,
+        **{"xaxis": time_axis(outlook), **layout},
         hovermode="x unified",
-        xaxis=time_axis(outlook),
         shapes=now_shapes(outlook),
         annotations=[now_label(outlook)] if outlook.now else [],
-        **layout,
     )
 
 
 def _station_top_kw(outlook: Outlook) -> float:
     """As high as the station's axis need reach to show its load and where headroom is scarce."""
     finite = outlook.headroom_kw[np.isfinite(outlook.headroom_kw)]
-    scarce = float(np.median(finite)) if len(finite) else 0.0
-    return max(1.0, float(outlook.station_kw.max()), min(scarce, 3 * outlook.station_rating_kw))
+    highest, least = (finite.max(), finite.min()) if len(finite) else (0.0, 0.0)
+    most = float(outlook.station_kw.max())
+    return max(1.0, most, min(highest, 3 * max(most, least)))
 
 
 def _highest(values: Floats) -> float:

@@ -1,5 +1,6 @@
 """Who charges when, against what was promised: the paper's Fig. 3, as a Gantt chart."""
 
+import math
 from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any
@@ -33,7 +34,7 @@ HEIGHT_PX, TALL_PX = 600, 760
 FRAME_PX = 106
 LEAST_ROWS, TALL_FROM = 12, 43
 """The axis has room for so many rows at least; from so many on the chart is taller."""
-LABEL_PX = 12
+LABEL_PX = 12.5
 # Cividis from its first visible shade on; no power is the colour of the pale window.
 POWER_SCALE = [
     [0.0, WINDOW],
@@ -141,7 +142,7 @@ def _gantt(trace: Trace, outlook: Outlook, rows: list[Row]) -> Figure:
 
 def _row_axis(rows: list[Row], shown: int, height_px: int) -> dict[str, Any]:
     """One line a vehicle, the first on top; every n-th label, so that they never overlap."""
-    every = max(1, round(LABEL_PX * shown / (height_px - FRAME_PX)))
+    every = math.ceil(LABEL_PX * shown / (height_px - FRAME_PX))
     places = range(0, len(rows), every)
     return value_axis(
         "",

@@ -23,11 +23,13 @@ from evdash.ui.words import (
     decision_lines,
     decision_title,
     element_name,
+    markdown_table,
     money,
     plain,
     story,
 )
 
+ROW_PX = 29
 AC_PATIENCE_SECONDS = 0.06
 """How long a page waits for the AC power flow of its latest step before it goes on without."""
 
@@ -235,7 +237,8 @@ def decision(session: Session) -> None:
             st.markdown(line)
         if last.requests:
             rows = session.once("requests", lambda: _requests(session))
-            _table(rows, "Who asked, and the answer", height=min(280, 36 * len(rows) + 38))
+            _small_table(rows, height=290)
+            _table_below("requests", lambda: _reasons(session), "All answers in full")
 
 
 INTRODUCTION = (
@@ -252,17 +255,25 @@ DECISION_HELP = (
 
 def _requests(session: Session) -> list[dict[str, object]]:
     ahead, step = view(session), session.run.trace.steps[-1]
-    reasons = {refusal.vehicle: refusal.reason for refusal in step.plan.refused}
+    refused = {refusal.vehicle for refusal in step.plan.refused}
     return [
         {
             "Vehicle": request.vehicle,
             "Option": request.option,
             "kWh": round(request.need_kwh, 1),
             "Back by": clock(ahead.times[request.deadline_interval], ahead),
-            "Answer": "✗ no" if request.vehicle in reasons else "✓ yes",
+            "Answer": "✗ no" if request.vehicle in refused else "✓ yes",
         }
-        | ({"Why not": reasons.get(request.vehicle, "")} if reasons else {})
         for request in step.requests
+    ]
+
+
+def _reasons(session: Session) -> list[dict[str, object]]:
+    plan = session.run.trace.steps[-1].plan
+    reasons = {refusal.vehicle: refusal.reason for refusal in plan.refused}
+    return [
+        {"Vehicle": row["Vehicle"], "Why not": reasons.get(str(row["Vehicle"]), "admitted")}
+        for row in _requests(session)
     ]
 
 
@@ -348,7 +359,7 @@ def _limits(session: Session) -> None:
     first = 0 if session.run.trace.is_over else ahead.now
     st.markdown("#### Limits by the hour", help=LIMITS_HELP)
     rows = session.once("limits", lambda: limit_rows(ahead, first))
-    _table(rows, "Headroom of each interval and the element that sets it", height=320)
+    _small_table(rows, height=330)
 
 
 LIMITS_HELP = (
@@ -380,13 +391,22 @@ def _chart(
     st.plotly_chart(figure, key=f"chart_{name}", config=CONFIG, alt=alt)
 
 
-def _table_below(name: str, rows: Callable[[], list[dict[str, object]]]) -> None:
-    """The chart's numbers as a table, made only when opened."""
-    box = st.expander("As a table", key=f"table_{name}", type="compact", on_change="rerun")
+def _table_below(
+    name: str, rows: Callable[[], list[dict[str, object]]], label: str = "As a table"
+) -> None:
+    """Numbers as a table, made only when opened."""
+    box = st.expander(label, key=f"table_{name}", type="compact", on_change="rerun")
     if box.open:
         with box:
             _table(rows(), f"The numbers of the {name} chart")
 
 
-def _table(rows: list[dict[str, object]], alt: str, height: int | None = None) -> None:
-    st.dataframe(pd.DataFrame(rows), hide_index=True, alt=alt, height=height or "auto")
+def _table(rows: list[dict[str, object]], alt: str) -> None:
+    st.dataframe(pd.DataFrame(rows), hide_index=True, alt=alt)
+
+
+def _small_table(rows: list[dict[str, object]], height: int) -> None:
+    """A table that changes with every step: text costs a browser a tenth of a data grid."""
+    fits = ROW_PX * (len(rows) + 1) <= height
+    with st.container(height="content" if fits else height, border=False):
+        st.markdown(markdown_table(rows))

@@ -17,6 +17,9 @@ STYLE = """
 .st-key-clock p { font-size: 2.5rem; line-height: 2.5rem; font-weight: 700; margin: 0;
   font-variant-numeric: tabular-nums; }
 .st-key-sentence p { font-size: 1.3rem; line-height: 1.4; }
+[data-testid="stMarkdownContainer"] table { width: 100%; font-size: .9rem; margin: 0; }
+[data-testid="stMarkdownContainer"] :is(th, td) { padding: .22rem .45rem;
+  white-space: nowrap; }
 .st-key-figures [data-testid="stMetricValue"] { font-variant-numeric: tabular-nums; }
 </style>
 """

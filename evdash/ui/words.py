@@ -4,6 +4,7 @@ import math
 import re
 import string
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 
 import numpy as np
@@ -40,6 +41,21 @@ def counted(number: int, one: str, many: str | None = None) -> str:
     return f"{number:,} {one if number == 1 else many or one + 's'}"
 
 
+def markdown_table(rows: Sequence[Mapping[str, object]]) -> str:
+    """Rows as a Markdown table, numbers to the right; user text in it is escaped."""
+    if not rows:
+        return ""
+    numeric = {name for name, value in rows[0].items() if isinstance(value, int | float)}
+    lines = [
+        "| " + " | ".join(plain(name) for name in rows[0]) + " |",
+        "|" + "|".join("--:" if name in numeric else ":--" for name in rows[0]) + "|",
+    ]
+    for row in rows:
+        cells = ("" if value is None else plain(f"{value}") for value in row.values())
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def element_words(element: str, scenario: Scenario) -> str:
     """A binding element as a person would name it."""
     kind, _, name = element.partition(":")
@@ -64,7 +80,7 @@ def element_name(element: str) -> str:
     """A binding element in a few words, not escaped: for cells of a table."""
     kind, _, name = element.partition(":")
     words = {"voltage_min": "voltage at", "voltage_max": "voltage at", "node": "rating of node"}
-    return f"{words.get(kind, 'line or transformer')} {name}" if element else "nothing"
+    return f"{words.get(kind, 'rating of')} {name}" if element else "nothing"
 
 
 def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
@@ -79,7 +95,7 @@ def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
             else f":red[{counted(totals.broken, 'contract')} broken]"
         )
         return (
-            f"**The day is over:** {admitted}, {kept}; {totals.energy_delivered_kwh:,.0f} kWh "
+            f"**The day is over:** {admitted}, {kept}; {totals.energy_delivered_kwh:,.0f}\u00a0kWh "
             f"delivered for a profit of {money(totals.profit)}. {_tightest_behind(trace, outlook)}"
         )
     charging = int(trace.steps[-1].plan.charging[0])
@@ -93,7 +109,7 @@ def _limit_ahead(trace: Trace, outlook: Outlook) -> str:
     t = outlook.now + int(ahead.argmin())
     element = element_words(outlook.binding[t], trace.scenario)
     when = f"**{clock(outlook.times[t], outlook)}**"
-    room = f"{outlook.headroom_kw[t]:,.0f} kW left for charging"
+    room = f"{outlook.headroom_kw[t]:,.0f}\u00a0kW left for charging"
     if t == outlook.now:
         return f"{_capital(element)} is the tightest limit, and now is its tightest hour: {room}."
     return f"{_capital(element)} is the tightest limit; {when} will be its tightest hour, {room}."
@@ -106,7 +122,7 @@ def _tightest_behind(trace: Trace, outlook: Outlook) -> str:
     element = element_words(outlook.binding[t], trace.scenario)
     return (
         f"{_capital(element)} was the tightest limit: at {clock(outlook.times[t], outlook)} it "
-        f"left {outlook.headroom_kw[t]:,.0f} kW."
+        f"left {outlook.headroom_kw[t]:,.0f}\u00a0kW."
     )
 
 
@@ -117,7 +133,7 @@ def _capital(text: str) -> str:
 def decision_title(step: Step, outlook: Outlook) -> str:
     """Which interval was decided."""
     begin, end = outlook.times[step.interval], outlook.times[step.interval + 1]
-    return f"Decided for {begin:%H:%M}–{clock(end, outlook)}"
+    return f"Decided for {begin:%H:%M}–{end:%H:%M}"
 
 
 def decision_lines(step: Step, outlook: Outlook) -> list[str]:
@@ -137,7 +153,7 @@ def decision_lines(step: Step, outlook: Outlook) -> list[str]:
     if len(reasons) > MOST_REASONS:
         lines.append("For the other refusals see the table.")
     lines.append(
-        f"**{int(plan.charging[0])} charging** with {step.station_kw:,.1f} kW in all"
+        f"**{int(plan.charging[0])} charging** with {step.station_kw:,.1f}\u00a0kW in all"
         + _of_headroom(step, outlook)
     )
     lines.append(quality(plan.report))
@@ -163,7 +179,7 @@ def _of_headroom(step: Step, outlook: Outlook) -> str:
     if not math.isfinite(headroom):
         return "; the feeder sets no limit."
     element = element_words(outlook.binding[step.interval], step.inputs.scenario)
-    return f"; the feeder leaves room for {headroom:,.0f} kW, limited by {element}."
+    return f"; the feeder leaves room for {headroom:,.0f}\u00a0kW, limited by {element}."
 
 
 def quality(report: SolveReport) -> str:

@@ -25,7 +25,12 @@ def day() -> Trace:
 
 
 def told(trace: Trace) -> str:
-    return story(trace, outlook(trace), totals(trace)).replace("\\", "").replace("*", "")
+    return (
+        story(trace, outlook(trace), totals(trace))
+        .replace("\\", "")
+        .replace("*", "")
+        .replace("\u00a0", " ")
+    )
 
 
 def test_the_story_follows_the_day(day: Trace) -> None:
