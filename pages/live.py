@@ -2,13 +2,13 @@
 
 import streamlit as st
 
-from evdash.ui import controls, drive, live, page
+from evdash.ui import controls, decision, drive, live, page, panels, parts, voltages
 from evdash.ui.session import current
 
 page.by_way_of_app("pages/live.py")
 session = current()
 controls.take_edits(session)
-controls.sidebar(session, live.view(session))
+controls.sidebar(session, parts.view(session))
 live.toolbar(session)
 live.headline(session)
 progress = st.container()
@@ -16,15 +16,15 @@ live.answer(session)
 live.key_figures(session)
 left, right = st.columns([2, 1], gap="medium")
 with left:
-    live.schedule(session)
+    panels.schedule(session)
 with right:
-    live.decision(session)
+    decision.decision(session)
 left, right = st.columns(2, gap="medium")
 with left:
-    live.admissions(session)
+    panels.admissions(session)
 with right:
-    live.load(session)
-live.voltages(session)
+    panels.load(session)
+voltages.voltages(session)
 with progress:
     drive.finish(session)
 drive.heartbeat(session)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
@@ -33,39 +34,52 @@ class AcResult:
         return tuple(int(row) for row in np.flatnonzero(np.isnan(self.losses_kw)))
 
 
-def ac_flow(scenario: Scenario, station_kw: Floats, first_interval: int = 0) -> AcResult:
-    """AC power flow of intervals from `first_interval` on, one for each entry of `station_kw`.
+def ac_flow(scenario: Scenario, station_kw: Floats) -> AcResult:
+    """AC power flow of the intervals from 0 on, one for each entry of `station_kw`, kW."""
+    return AcNetwork(scenario).flow(scenario, np.arange(len(station_kw)), station_kw)
 
-    Loads, generation, shunts and the station draw constant power. An interval in which
-    Newton's method finds no solution is left NaN.
-    """
-    feeder = radial_feeder(scenario)
-    every = base_injections(scenario, feeder)
-    rows = slice(first_interval, first_interval + len(station_kw))
-    base = Injections(every.active_kw[rows], every.reactive_kvar[rows])
-    injections = with_station(scenario, feeder, base, station_kw)
-    net = build_network(scenario, feeder)
-    shape = (len(station_kw), len(feeder.nodes)), (len(station_kw), len(feeder.lines))
-    result = AcResult(
-        feeder.nodes,
-        feeder.lines,
-        np.full(shape[0], np.nan),
-        np.full(shape[1], np.nan),
-        np.hypot(injections.active_kw, injections.reactive_kvar),
-        np.full(len(station_kw), np.nan),
-    )
-    for row in range(len(station_kw)):
-        try:
-            solve_network(net, injections.active_kw[row], injections.reactive_kvar[row])
-        except PowerFlowDiverged:
-            continue
-        result.voltage_pu[row] = net.res_bus.vm_pu.to_numpy()[1:]
-        ends = net.res_line
-        result.line_kva[row] = KW_PER_MW * np.maximum(
-            np.hypot(ends.p_from_mw, ends.q_from_mvar), np.hypot(ends.p_to_mw, ends.q_to_mvar)
+
+class AcNetwork:
+    """A scenario's feeder in pandapower, built once and solved in place: one thread at a time."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.feeder = radial_feeder(scenario)
+        self._net = build_network(scenario, self.feeder)
+
+    def flow(
+        self, scenario: Scenario, intervals: NDArray[np.int64], station_kw: Floats
+    ) -> AcResult:
+        """AC power flow of `intervals` with the station drawing `station_kw`, both (rows,).
+
+        Loads, generation, shunts and the station draw constant power. An interval in which
+        Newton's method finds no solution is left NaN. `scenario` may differ from the one the
+        network was built of in all but its feeder.
+        """
+        feeder = self.feeder
+        every = base_injections(scenario, feeder)
+        base = Injections(every.active_kw[intervals], every.reactive_kvar[intervals])
+        injections = with_station(scenario, feeder, base, station_kw)
+        count = len(station_kw)
+        result = AcResult(
+            nodes=feeder.nodes,
+            lines=feeder.lines,
+            voltage_pu=np.full((count, len(feeder.nodes)), np.nan),
+            line_kva=np.full((count, len(feeder.lines)), np.nan),
+            node_kva=np.hypot(injections.active_kw, injections.reactive_kvar),
+            losses_kw=np.full(count, np.nan),
         )
-        result.losses_kw[row] = KW_PER_MW * ends.pl_mw.sum()
-    return result
+        for row in range(count):
+            try:
+                solve_network(self._net, injections.active_kw[row], injections.reactive_kvar[row])
+            except PowerFlowDiverged:
+                continue
+            ends = self._net.res_line
+            result.voltage_pu[row] = self._net.res_bus.vm_pu.to_numpy()[1:]
+            result.line_kva[row] = KW_PER_MW * np.maximum(
+                np.hypot(ends.p_from_mw, ends.q_from_mvar), np.hypot(ends.p_to_mw, ends.q_to_mvar)
+            )
+            result.losses_kw[row] = KW_PER_MW * ends.pl_mw.sum()
+        return result
 
 
 def build_network(scenario: Scenario, feeder: RadialFeeder) -> Any:

@@ -14,6 +14,7 @@ import streamlit as st
 from evdash.domain.outlook import Outlook
 from evdash.ui.session import Session, bundled, bundled_names
 from evdash.ui.settings import (
+    NETWORK_NAMES,
     Control,
     all_controls,
     arrival_controls,
@@ -28,8 +29,12 @@ from evdash.ui.settings import (
 )
 from evdash.ui.words import clock, plain
 
-PRESET, CURVE = "preset", "price_curve"
+PRESET, CURVE, NETWORK = "preset", "price_curve", "network"
 CURVES = {"Ordinary": "summer-weekday", "Spike": "price-spike", "Negative": "negative-price"}
+NETWORK_HELP = (
+    "The model of the feeder whose limits the schedule keeps. Linearised DistFlow, as in the "
+    "paper, leaves out losses and so allows a little too much; full AC power flow does not."
+)
 PRICE_COLUMN = "Price, $/kWh"
 
 
@@ -45,6 +50,8 @@ def take_edits(session: Session) -> None:
         session.open(bundled_names()[new[PRESET]])
         st.query_params[PRESET] = new[PRESET]
         new = {}
+    if NETWORK in new:
+        session.rewire(new.pop(NETWORK))
     if CURVE in new:
         take_curve(session, new.pop(CURVE))
     settings = {c.key: c for c in all_controls(session.run.trace.scenario) if c.key in new}
@@ -66,6 +73,7 @@ def show_truth(session: Session, state: MutableMapping[Any, Any]) -> None:
     """Set every widget to what is in force, unless it shows it already."""
     truth: dict[str, object] = {c.key: c.value for c in all_controls(session.run.trace.scenario)}
     truth[PRESET] = session.run.folder.name
+    truth[NETWORK] = session.run.trace.inputs.network
     truth[CURVE] = session.once("curve", lambda: curve_in_force(session))
     for key, value in truth.items():
         if key not in state or state[key] != value:
@@ -98,6 +106,14 @@ def sidebar(session: Session, outlook: Outlook) -> None:
             _pair([price, rate], prefix=f"{plain(name)} ")
         st.segmented_control(
             "Energy price", list(CURVES), key=CURVE, help=help_text(price_field()), width="stretch"
+        )
+        st.segmented_control(
+            "Limits kept in",
+            list(NETWORK_NAMES),
+            format_func=NETWORK_NAMES.__getitem__,
+            key=NETWORK,
+            help=NETWORK_HELP,
+            width="stretch",
         )
         with st.popover("Edit prices by the hour", icon=":material/edit:", width="stretch"):
             price_editor(session, outlook)

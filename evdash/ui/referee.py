@@ -12,7 +12,8 @@ from collections.abc import Hashable
 
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
-from evdash.metrics.ac import AcNetwork, AcPoint
+from evdash.grid.acflow import AcNetwork
+from evdash.metrics.ac import AcPoint, ac_point
 
 MOST_RESULTS = 5_000
 MOST_NETWORKS = 4
@@ -68,7 +69,8 @@ class Referee:
 
     def _find(self, step: Step) -> AcPoint:
         scenario = step.inputs.scenario
-        point = self._network(scenario).point(scenario, step.interval, step.station_kw)
+        network = self._network(scenario)
+        point = ac_point(network, scenario, step.interval, step.station_kw)
         if not self.is_ready:
             self.is_ready = True
             gc.freeze()  # what the power flow brought along lives as long as the server

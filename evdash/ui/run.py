@@ -6,7 +6,7 @@ from pathlib import Path
 
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Trace
+from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, ImpossibleCommitments, InputError, Shortfall, SolverFailure
 from evdash.files.overrides import edit_scenario
 from evdash.horizon.day import start_day, step
@@ -66,6 +66,11 @@ def restored(run: Run) -> Run:
     return _revised(run, run.opened, "the preset's settings")
 
 
+def rewired(run: Run, network: Network) -> Run:
+    """The limits of another network model in force from now on."""
+    return _revised(run, run.trace.scenario, "another network model", network)
+
+
 def edited(
     run: Run,
     title: str,
@@ -84,9 +89,9 @@ def edited(
     return _revised(run, scenario, title)
 
 
-def _revised(run: Run, scenario: Scenario, title: str) -> Run:
+def _revised(run: Run, scenario: Scenario, title: str, network: Network | None = None) -> Run:
     try:
-        trace = revise(run.trace, scenario)
+        trace = revise(run.trace, scenario, network)
     except ImpossibleCommitments as error:
         answer = Answer(f"Not applied: {title}", shortfalls=error.shortfalls)
     except SolverFailure as error:

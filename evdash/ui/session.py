@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeVar
 import streamlit as st
 
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Trace
+from evdash.domain.trace import Network, Trace
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
 from evdash.ui import run as runs
@@ -83,6 +83,10 @@ class Session:
     ) -> None:
         """Change settings from now on."""
         self._change(lambda run: runs.edited(run, title, settings, price_per_kwh))
+
+    def rewire(self, network: Network) -> None:
+        """Keep the limits of another network model from now on."""
+        self._change(lambda run: runs.rewired(run, network))
 
     def open(self, folder: Path) -> None:
         """Open another scenario."""

@@ -18,9 +18,10 @@ from evdash.domain.scenario import (
     Scenario,
     Station,
 )
-from evdash.domain.trace import Trace
+from evdash.domain.trace import Inputs, Network, Trace
 from evdash.ui.words import clock, counted, plain
 
+NETWORK_NAMES: Mapping[Network, str] = {"lindistflow": "Linearised", "ac": "Full AC"}
 LARGEST_IN_A_BROWSER = 2**53 - 1
 
 
@@ -193,14 +194,17 @@ def _values(scenario: Scenario) -> Mapping[str, tuple[str, float]]:
 def edit_log(trace: Trace, opened: Scenario, outlook: Outlook) -> list[str]:
     """What was changed and since when, read off the inputs in force at every step."""
     told = []
-    before = opened
-    moments = [(step.interval, step.inputs.scenario) for step in trace.steps]
-    for interval, scenario in [*moments, (trace.now, trace.scenario)]:
-        if scenario is not before:
-            over = interval >= outlook.n_intervals
-            what = changes(before, scenario, 0 if over else interval)
+    before, network = opened, next(iter(NETWORK_NAMES))
+    moments: list[tuple[int, Inputs]] = [(step.interval, step.inputs) for step in trace.steps]
+    for interval, inputs in [*moments, (trace.now, trace.inputs)]:
+        over = interval >= outlook.n_intervals
+        what = []
+        if inputs.scenario is not before:
+            what = changes(before, inputs.scenario, 0 if over else interval)
+        if inputs.network != network:
+            what.append(f"limits kept in {NETWORK_NAMES[inputs.network]}")
+        if what:
             since = f"from {clock(outlook.times[interval], outlook)}"
-            if what:
-                told.append(f"**{'for the next run' if over else since}:** {'; '.join(what)}")
-        before = scenario
+            told.append(f"**{'for the next run' if over else since}:** {'; '.join(what)}")
+        before, network = inputs.scenario, inputs.network
     return told

@@ -69,6 +69,8 @@ def element_words(element: str, scenario: Scenario) -> str:
     if kind == "node":
         rating = next((n.rating_kva for n in scenario.nodes if n.node == name), None)
         return f"the rating of node {plain(name)} ({rating or 0:g} kVA)"
+    if kind == "power_flow":
+        return f"voltage collapse: beyond it power at node {plain(name)} has no AC solution"
     line = next((line for line in scenario.lines if line.name == name), None)
     if line is None:
         return plain(name)
@@ -79,7 +81,12 @@ def element_words(element: str, scenario: Scenario) -> str:
 def element_name(element: str) -> str:
     """A binding element in a few words, not escaped: for cells of a table."""
     kind, _, name = element.partition(":")
-    words = {"voltage_min": "voltage at", "voltage_max": "voltage at", "node": "rating of node"}
+    words = {
+        "voltage_min": "voltage at",
+        "voltage_max": "voltage at",
+        "node": "rating of node",
+        "power_flow": "voltage collapse at",
+    }
     return f"{words.get(kind, 'rating of')} {name}" if element else "nothing"
 
 

@@ -1,0 +1,98 @@
+"""What the optimiser just decided, and why somebody was refused."""
+
+import streamlit as st
+
+from evdash.ui.parts import small_table, table_below, view
+from evdash.ui.reasons import refused_latest_first, told_why
+from evdash.ui.session import Session
+from evdash.ui.words import (
+    clock,
+    decision_lines,
+    decision_title,
+)
+
+
+def decision(session: Session) -> None:
+    """What the optimiser just decided."""
+    trace, ahead = session.run.trace, view(session)
+    with st.container(key="decision"):
+        if not trace.steps:
+            st.markdown("#### What the optimiser decides")
+            st.markdown(INTRODUCTION)
+            return
+        last = trace.steps[-1]
+        st.markdown(f"#### {decision_title(last, ahead)}", help=DECISION_HELP)
+        for line in decision_lines(last, ahead):
+            st.markdown(line)
+        if last.requests:
+            rows = session.once("requests", lambda: _requests(session))
+            small_table(rows, height=290)
+            table_below("requests", lambda: _reasons(session), "All answers in full")
+        why(session)
+
+
+INTRODUCTION = (
+    "Every interval new vehicles ask for a charge and choose a price. The station says **yes** — "
+    "a contract: this much energy by that time — or **no**, at once, knowing nothing of who comes "
+    "later. Then it plans all contracted charging anew, for the highest profit within what the "
+    "feeder and the chargers allow.\n\nPress **Step** to decide the first interval."
+)
+
+
+DECISION_HELP = (
+    "The plan is the solution of a mixed-integer linear program. Its cost is compared with a "
+    "bound no plan can beat: within 1 cent of it, the plan counts as proven optimal."
+)
+
+
+def _requests(session: Session) -> list[dict[str, object]]:
+    ahead, step = view(session), session.run.trace.steps[-1]
+    refused = {refusal.vehicle for refusal in step.plan.refused}
+    return [
+        {
+            "Vehicle": request.vehicle,
+            "Option": request.option,
+            "kWh": round(request.need_kwh, 1),
+            "Back by": clock(ahead.times[request.deadline_interval], ahead),
+            "Answer": "✗ no" if request.vehicle in refused else "✓ yes",
+        }
+        for request in step.requests
+    ]
+
+
+def _reasons(session: Session) -> list[dict[str, object]]:
+    plan = session.run.trace.steps[-1].plan
+    reasons = {refusal.vehicle: refusal.reason for refusal in plan.refused}
+    return [
+        {"Vehicle": row["Vehicle"], "Why not": reasons.get(str(row["Vehicle"]), "admitted")}
+        for row in _requests(session)
+    ]
+
+
+def why(session: Session) -> None:
+    """Why one vehicle was refused and what would have admitted it, for the one that is picked.
+
+    Found by solving again, so never before it is asked for.
+    """
+    trace = session.run.trace
+    refused = refused_latest_first(trace)
+    if not refused:
+        return
+    picked = st.selectbox(
+        "Why was it refused?",
+        refused,
+        index=None,
+        key="why",
+        placeholder="Pick a refused vehicle",
+        help=WHY_HELP,
+    )
+    if picked:
+        with st.container(key="why_told"), st.spinner("Solving again …"):
+            for line in session.once("why", lambda: told_why(trace, picked), detail=picked):
+                st.markdown(line)
+
+
+WHY_HELP = (
+    "Found by solving again with one thing changed: the cause, and the least change that would "
+    "have admitted this vehicle, all else as it was."
+)

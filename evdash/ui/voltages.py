@@ -1,0 +1,91 @@
+"""Voltages, what the AC power flow found, and the limits by the hour."""
+
+import streamlit as st
+
+from evdash.charts.voltages import voltages_alt, voltages_figure, voltages_table
+from evdash.domain.outlook import Outlook
+from evdash.metrics.ac import AcPoint
+from evdash.ui.parts import chart, small_table, table_below, view
+from evdash.ui.referee import referee
+from evdash.ui.session import Session
+from evdash.ui.words import (
+    ac_lines,
+    clock,
+    counted,
+    element_name,
+)
+
+AC_PATIENCE_SECONDS = 0.06
+"""How long a page waits for the AC power flow of its latest step before it goes on without."""
+
+
+def voltages(session: Session) -> None:
+    """Nodal voltages with their limits, and what the AC power flow found."""
+    ahead = view(session)
+    found = referee.findings(session.run.trace, AC_PATIENCE_SECONDS)
+    ac = {interval: finding.voltage_pu for interval, finding in found.items()}
+    left, right = st.columns([2, 1], gap="medium")
+    with left:
+        st.markdown("#### Voltages", help=VOLTAGE_HELP)
+        chart(
+            session,
+            "voltages",
+            lambda: voltages_figure(ahead, ac),
+            voltages_alt(ahead),
+            detail=len(ac),
+        )
+        table_below("voltages", lambda: voltages_table(ahead, ac))
+    with right, st.container(key="ac"):
+        _ac_words(session, found)
+        _limits(session)
+
+
+VOLTAGE_HELP = (
+    "Per unit (pu): as a share of nominal voltage. The optimiser works with a linearised model "
+    "of the feeder; the full AC power flow, which knows losses, checks what was executed."
+)
+
+
+def _ac_words(session: Session, found: dict[int, AcPoint]) -> None:
+    trace, ahead = session.run.trace, view(session)
+    st.markdown("#### Checked by AC power flow", help=VOLTAGE_HELP)
+    waiting = len(trace.steps) - len(found)
+    if not trace.steps:
+        st.markdown("Executed intervals are checked here by the full AC power flow.")
+        return
+    if waiting:
+        st.markdown(f":material/hourglass_top: {counted(waiting, 'interval')} being checked …")
+    unsolved = sum(not finding.solved for finding in found.values())
+    if unsolved:
+        st.markdown(f":red[No AC solution in {counted(unsolved, 'interval')}.]")
+    breaches = [breach for t in sorted(found) for breach in found[t].breaches if found[t].solved]
+    for line in ac_lines(breaches, trace.scenario, ahead):
+        st.markdown(f":red[:material/warning: {line}]")
+    if not waiting and not breaches and not unsolved:
+        st.markdown(":green[:material/check_circle: Every limit holds in AC, too.]")
+
+
+def _limits(session: Session) -> None:
+    ahead = view(session)
+    first = 0 if session.run.trace.is_over else ahead.now
+    st.markdown("#### Limits by the hour", help=LIMITS_HELP)
+    rows = session.once("limits", lambda: limit_rows(ahead, first))
+    small_table(rows, height=330)
+
+
+LIMITS_HELP = (
+    "Of all limits of the feeder the tightest in each interval, whether reached or not, and the "
+    "room it leaves for charging (headroom). Voltages by the linearised model."
+)
+
+
+def limit_rows(ahead: Outlook, first: int) -> list[dict[str, object]]:
+    """Headroom and what sets it, by interval, as rows of a table."""
+    return [
+        {
+            "From": clock(ahead.times[t], ahead),
+            "Room, kW": round(float(ahead.headroom_kw[t])) if ahead.binding[t] else None,
+            "Limited by": element_name(ahead.binding[t]),
+        }
+        for t in range(first, ahead.n_intervals)
+    ]
