@@ -6,8 +6,10 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from evdash.explain.refusals import explain_vehicle
 from evdash.files.bundled import bundled_scenarios
 from evdash.ui.session import KEY, Session
+from evdash.ui.words import plain
 
 APP = Path(__file__).parents[2] / "app.py"
 PRESETS = [folder.name for folder in bundled_scenarios()]
@@ -183,3 +185,35 @@ def test_an_unknown_preset_in_the_address_is_passed_over() -> None:
     at = opened("../../etc")
     assert not at.exception
     assert session(at).run.folder.name == PRESETS[0]
+
+
+def test_the_network_model_is_switched_and_told() -> None:
+    at = opened(steps=17)
+    linear = session(at).run.trace.inputs.rows.headroom_kw()
+    at.segmented_control(key="network").set_value("ac").run()
+    assert not at.exception
+    inputs = session(at).run.trace.inputs
+    assert inputs.network == "ac"
+    assert (inputs.rows.headroom_kw() < linear).all()
+    assert any("from 17:00" in text.value and "Full AC" in text.value for text in at.caption)
+    clicked(at, "step")
+    assert session(at).run.trace.steps[-1].inputs.network == "ac"
+    clicked(at, "back", 2)
+    assert session(at).run.trace.inputs.network == "lindistflow"
+
+
+def test_a_refusal_that_is_picked_is_explained() -> None:
+    at = opened(steps=19)
+    trace = session(at).run.trace
+    refused = [refusal.vehicle for refusal in trace.steps[-1].plan.refused]
+    picker = at.selectbox(key="why")
+    assert picker.value is None
+    assert list(picker.options)[: len(refused)] == refused
+    picker.set_value(refused[0]).run()
+    assert not at.exception
+    told = explain_vehicle(trace, refused[0])
+    shown = [text.value for text in at.markdown]
+    assert plain(told.detail) in shown
+    assert plain(told.remedy) in shown
+    clicked(at, "step", 5)
+    assert at.selectbox(key="why").value == refused[0]
