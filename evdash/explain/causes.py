@@ -101,12 +101,12 @@ def cause_of(trials: Trials) -> Cause:
     which is the vehicle's own (the power it can take, so that its time would do), then
     headroom and chargers, each alone.
     """
-    if trials.forced() is not None:
+    if trials.fits():
         return _outbid(trials)
     kind: CauseKind
-    with_headroom = trials.forced(unlimited(trials, headroom=True)) is not None
-    with_chargers = trials.forced(unlimited(trials, chargers=True)) is not None
-    if trials.forced(Change(lifted=True)) is not None:
+    with_headroom = trials.fits(unlimited(trials, headroom=True))
+    with_chargers = trials.fits(unlimited(trials, chargers=True))
+    if trials.fits(Change(lifted=True)):
         kind = "time"
     elif with_headroom and with_chargers:
         kind = "headroom or chargers"
@@ -170,8 +170,8 @@ def _taken(trials: Trials, with_headroom: bool, with_chargers: bool) -> Taken:
 
 
 def beyond(trials: Trials, change: Change) -> Taken:
-    """Intervals in which the forced plan of a change goes beyond headroom and chargers."""
-    plan = trials.forced(change)
+    """Where a plan for the contracts and the vehicle, under a change, goes beyond what there is."""
+    plan = trials.forced(replace(change, without=trials.others))
     if plan is None:
         return Taken()
     return Taken(

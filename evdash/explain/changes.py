@@ -32,6 +32,12 @@ class Change:
     bonus: float = 0.0
     without: frozenset[str] = frozenset()
 
+    @property
+    def bears_on_vehicle(self) -> bool:
+        """Whether any of it is the vehicle's own and not the same for all."""
+        own = (self.later, self.price_per_kwh, self.need_kwh, self.max_kw, self.bonus)
+        return self.lifted or any(own)
+
 
 NOTHING = Change()
 

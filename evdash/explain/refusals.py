@@ -17,7 +17,7 @@ from evdash.explain.changes import NOTHING, longer
 from evdash.explain.remedies import NoRemedy, Remedy, later_return, remedies_of
 from evdash.explain.remedies_told import remedies_told
 from evdash.explain.terms import other_terms
-from evdash.explain.trials import Trials
+from evdash.explain.trials import Plans, Trials
 from evdash.horizon.advance import snapshot_of
 from evdash.scheduling.p1 import p1_policy
 
@@ -51,10 +51,7 @@ def explain_refusal(step: Step, vehicle: str, policy: Policy | None = None) -> E
     """
     if vehicle not in {refusal.vehicle for refusal in step.plan.refused}:
         raise ValueError(f"{vehicle} was not refused in interval {step.interval}")
-    trials = trials_of(step.inputs, step.before, vehicle, policy)
-    if step.plan.report.status == "optimal":  # P1's own answer; no need to ask again
-        trials.plans[NOTHING] = step.plan
-    return _explained(trials)
+    return _explained(trials_of(step.inputs, step.before, vehicle, policy, _known(step)))
 
 
 def explain_vehicle(trace: Trace, vehicle: str, policy: Policy | None = None) -> Explanation:
@@ -70,8 +67,9 @@ def explain_vehicle(trace: Trace, vehicle: str, policy: Policy | None = None) ->
 def explanations(trace: Trace, policy: Policy | None = None) -> Iterator[Explanation]:
     """Everyone refused so far, in order of arrival; each is worked out when asked for."""
     for step in trace.steps:
+        plans = _known(step)
         for refusal in step.plan.refused:
-            yield explain_refusal(step, refusal.vehicle, policy)
+            yield _explained(trials_of(step.inputs, step.before, refusal.vehicle, policy, plans))
     for request in too_late(trace):
         yield explain_vehicle(trace, request.vehicle, policy)
 
@@ -81,14 +79,25 @@ def too_late(trace: Trace) -> tuple[Request, ...]:
     return trace.inputs.requests[trace.scenario.intervals] if trace.is_over else ()
 
 
-def trials_of(inputs: Inputs, state: State, vehicle: str, policy: Policy | None = None) -> Trials:
+def _known(step: Step) -> Plans:
+    """P1's own answer, where the step has it, need not be asked for again."""
+    return {("", NOTHING): step.plan} if step.plan.report.status == "optimal" else {}
+
+
+def trials_of(
+    inputs: Inputs,
+    state: State,
+    vehicle: str,
+    policy: Policy | None = None,
+    plans: Plans | None = None,
+) -> Trials:
     """What was known when a vehicle asked, ready to be solved again.
 
     Beyond the horizon's end a snapshot has no slots; it gets one, in which nobody may charge.
     """
     snapshot = longer(inputs, snapshot_of(inputs, state), 1)
     request = next(r for r in snapshot.requests if r.vehicle == vehicle)
-    return Trials(inputs, snapshot, request, policy or p1_policy())
+    return Trials(inputs, snapshot, request, policy or p1_policy(), {} if plans is None else plans)
 
 
 def _explained(trials: Trials) -> Explanation:

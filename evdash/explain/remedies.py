@@ -14,7 +14,10 @@ from evdash.scheduling.problem import OPTIMALITY_USD
 
 RemedyKind = Literal["chargers", "headroom", "time", "price", "amount", "max_kw"]
 
-HEADROOM_STEP_KW = 0.1
+HEADROOM_STEPS_KW = ((5.0, 0.1), (20.0, 0.5), (100.0, 2.0), (np.inf, 50.0))
+"""Headroom is told in steps of 0.1 kW up to 5 kW, of 0.5 kW up to 20 kW, and so on."""
+FIRST_STRIDE = 16
+"""The same for all vehicles, so that those who ask together share what is solved."""
 PRICE_STEP_USD = 1e-4
 MOST_HOURS_LATER = 12
 
@@ -101,29 +104,33 @@ def more_chargers(trials: Trials) -> Remedy | NoRemedy:
 
 
 def more_headroom(trials: Trials) -> Remedy | NoRemedy:
-    """x kW more headroom, in every interval of the vehicle's time, in steps of 0.1 kW."""
+    """x kW more headroom, in every interval of the vehicle's time."""
     everything = unlimited(trials, headroom=True)
     room = trials.snapshot.rows.headroom_kw()[: trials.window]
     if not np.isfinite(room).any() or cannot_help(trials, everything):
         return NoRemedy("headroom", np.inf, proven=True)
-    ladder = Ladder(trials, lambda steps: change_by("headroom", _step_kw(steps)))
-    start = max(1, round(trials.request.max_kw / 4 / HEADROOM_STEP_KW))
-    most = int(np.ceil(trials.all_power_kw / HEADROOM_STEP_KW))
-    found = ladder.climb(start, most)
+    grid_kw = headroom_grid_kw(trials.all_power_kw)
+    ladder = Ladder(trials, lambda steps: change_by("headroom", grid_kw[steps]))
+    found = ladder.climb(FIRST_STRIDE, len(grid_kw) - 1)
     if found.steps is None:
         return NoRemedy("headroom", np.inf, proven=found.least)
-    amount = _step_kw(found.steps)
+    amount = grid_kw[found.steps]
     return Remedy(
         kind="headroom",
         amount=amount,
-        refused_at=_step_kw(found.steps - 1),
+        refused_at=grid_kw[found.steps - 1],
         least=found.least,
         intervals=_intervals(trials, _slots_used(trials, change_by("headroom", amount))),
     )
 
 
-def _step_kw(steps: int) -> float:
-    return round(steps * HEADROOM_STEP_KW, 6)
+def headroom_grid_kw(most_kw: float) -> list[float]:
+    """Amounts of headroom tried, kW, from 0 to beyond `most_kw`: the larger, the coarser."""
+    grid = [0.0]
+    while grid[-1] < most_kw:
+        below = (step for end, step in HEADROOM_STEPS_KW if grid[-1] < end)
+        grid.append(round(grid[-1] + next(below), 6))
+    return grid
 
 
 def _intervals(trials: Trials, slots: Iterable[int]) -> tuple[int, ...]:
@@ -141,7 +148,8 @@ def _slots_used(trials: Trials, change: Change) -> tuple[int, ...]:
         return tuple(range(trials.window))
 
     def admits(first: int, end: int) -> bool:
-        return trials.admits(replace(change, slots=used[first:end]))
+        slots = replace(change, slots=used[first:end])
+        return trials.fits(slots) and trials.admits(slots)
 
     end = len(used)
     first = _most_dropped(lambda n: admits(n, end), end - 1)
@@ -164,25 +172,17 @@ def _most_dropped(still_admits: Callable[[int], bool], most: int) -> int:
 def later_return(trials: Trials) -> Remedy | NoRemedy:
     """A return y intervals later.
 
-    P1 without the vehicle stays as it is and P1 with it only gains, so that halving finds
-    the least.
+    P1 without the vehicle stays as it is and P1 with it only gains: there is one threshold.
     """
     hours = trials.snapshot.interval_hours
     most = round(MOST_HOURS_LATER / hours)
     if cannot_help(trials, Change(later=most)):
         return NoRemedy("time", most, proven=True)
-    refused, later = 0, min(most, max(1, round(1 / hours)))
-    while not trials.admits(Change(later=later)):
-        if later == most:
-            return NoRemedy("time", most, proven=False)
-        refused, later = later, min(2 * later, most)
-    while later - refused > 1:
-        middle = (later + refused) // 2
-        if trials.admits(Change(later=middle)):
-            later = middle
-        else:
-            refused = middle
-    return Remedy("time", amount=later, refused_at=refused, least=True)
+    ladder = Ladder(trials, lambda n: change_by("time", n), single=True)
+    found = ladder.climb(max(1, round(1 / hours)), most)
+    if found.steps is None:
+        return NoRemedy("time", most, proven=found.least)
+    return Remedy("time", amount=found.steps, refused_at=found.steps - 1, least=True)
 
 
 def higher_price(trials: Trials) -> Remedy | NoRemedy:

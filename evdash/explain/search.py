@@ -14,7 +14,11 @@ from evdash.explain.trials import Trials
 from evdash.scheduling.problem import OPTIMALITY_USD
 
 MOST_SPLITS = 8
-"""How often a gap that could not be ruled out is looked into; a number, not a time."""
+MOST_NEWCOMERS_SPLIT = 24
+MANY_NEWCOMERS = 20
+"""How often a gap that could not be ruled out is looked into: eight times, fewer where more than
+three newcomers compete and each look takes longer, and where many do gaps are left open at once.
+Numbers, not times, so that the answer is the same on every machine."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,41 +34,75 @@ class Found:
 
 @dataclass(slots=True)
 class Ladder:
-    """Amounts 0, 1, … steps of one change, of which 0 does not admit the vehicle."""
+    """Amounts 0, 1, … steps of one change, of which 0 does not admit the vehicle.
+
+    `single`: whether there can be but one threshold, as where P1 without the vehicle does not
+    change with the amount.
+    """
 
     trials: Trials
     change: Callable[[int], Change]
+    single: bool = False
     found: int | None = None
     gaps: list[tuple[int, int]] = field(default_factory=list)
     splits: int = 0
 
     def climb(self, start: int, most: int) -> Found:
-        """Double from `start` until admitted, then close the gaps below, the uppermost first."""
-        refused, tried = 0, min(start, most)
+        """From where the vehicle fits, by doubled strides from `start` until it is admitted.
+
+        Then the gaps below are closed, the uppermost first.
+        """
+        floor = self._most_not_fitting(most)
+        if floor == most:
+            return Found(None, least=True)
+        refused, stride = floor, start
+        tried = floor + 1 if floor else min(start, most)
         while not self._admits(tried):
             self.gaps.append((refused, tried))
             refused = tried
-            if tried >= most:
-                return Found(*self._closed())
-            tried = min(2 * tried, most)
+            if tried == most:
+                return self._closed()
+            tried, stride = min(tried + stride, most), 2 * stride
         self.found = tried
         self.gaps.append((refused, tried))
-        return Found(*self._closed())
+        return self._closed()
 
-    def _closed(self) -> tuple[int | None, bool]:
+    def _most_not_fitting(self, most: int) -> int:
+        """The largest amount with which the vehicle does not even fit beside the contracts."""
+        if self._fits(0):
+            return 0
+        below, above = 0, most + 1
+        while above - below > 1:
+            middle = (below + above) // 2
+            below, above = (below, middle) if self._fits(middle) else (middle, above)
+        return below
+
+    def _closed(self) -> Found:
         least = True
         while self.gaps:
             low, high = self.gaps.pop()
-            if high - low < 2 or self._ruled_out(low, high):
+            if high - low < 2:
                 continue
-            if high != self.found and self._ruled_out(0, high):
-                break
-            if high != self.found and self.splits >= MOST_SPLITS:
-                least = False
-                continue
-            self.splits += high != self.found
+            if high != self.found:
+                if self.single:
+                    break
+                if self._newcomers > MANY_NEWCOMERS:
+                    least = False
+                    break
+                if self._ruled_out(0, high):
+                    break  # and with it all gaps below
+                if self._ruled_out(low, high):
+                    continue
+                if self.splits >= min(MOST_SPLITS, MOST_NEWCOMERS_SPLIT // self._newcomers):
+                    least = False
+                    continue
+                self.splits += 1
             self._split(low, high)
-        return self.found, least
+        return Found(self.found, least)
+
+    @property
+    def _newcomers(self) -> int:
+        return 1 + len(self.trials.others)
 
     def _split(self, low: int, high: int) -> None:
         middle = (low + high) // 2
@@ -77,9 +115,10 @@ class Ladder:
     def _admits(self, steps: int) -> bool:
         return self.trials.admits(self.change(steps))
 
+    def _fits(self, steps: int) -> bool:
+        return self.trials.fits(self.change(steps))
+
     def _ruled_out(self, low: int, high: int) -> bool:
         """Whether nothing between two amounts can admit the vehicle, a tie within a cent apart."""
-        if high == self.found:
-            return False
         without = self.trials.cost(self.change(low))
         return self.trials.bound_with(self.change(high)) >= without - OPTIMALITY_USD

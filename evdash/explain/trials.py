@@ -9,16 +9,23 @@ from evdash.domain.trace import Inputs
 from evdash.domain.vehicles import Request
 from evdash.explain.changes import NOTHING, Change, asked, changed
 
+Plans = dict[tuple[str, Change], Plan]
+"""P1's plans by the vehicle a change bears on ("" for all alike) and the change."""
+
 
 @dataclass(frozen=True, slots=True)
 class Trials:
-    """One refused vehicle at one interval, and the plans of all changes tried so far."""
+    """One refused vehicle at one interval, and the plans of all changes tried so far.
+
+    `plans` may be shared by the vehicles refused at one step: a change that bears on all alike
+    is solved once for all of them.
+    """
 
     inputs: Inputs
     snapshot: Snapshot
     request: Request
     policy: Policy
-    plans: dict[Change, Plan] = field(default_factory=dict)
+    plans: Plans = field(default_factory=dict)
 
     @property
     def vehicle(self) -> str:
@@ -53,11 +60,12 @@ class Trials:
 
     def plan(self, change: Change) -> Plan:
         """P1's plan under a change."""
-        if change not in self.plans:
-            self.plans[change] = self.policy(
-                changed(self.inputs, self.snapshot, self.vehicle, change)
-            )
-        return self.plans[change]
+        if change.headroom_kw and change.slots is None and not change.bears_on_vehicle:
+            change = replace(change, slots=tuple(range(self.window)))
+        key = (self.vehicle if change.bears_on_vehicle else "", change)
+        if key not in self.plans:
+            self.plans[key] = self.policy(changed(self.inputs, self.snapshot, self.vehicle, change))
+        return self.plans[key]
 
     def admits(self, change: Change) -> bool:
         """Whether P1 admits the vehicle under a change."""
@@ -69,6 +77,14 @@ class Trials:
         """P1's value under a change, $."""
         return _objective(self.plan(change))
 
+    def fits(self, change: Change = NOTHING) -> bool:
+        """Whether any plan for the contracts can hold the vehicle too.
+
+        Newcomers need not be admitted, so they need not be asked: the problem is small.
+        """
+        alone = replace(change, bonus=self.bonus, without=self.others)
+        return self.admits(alone)
+
     def forced(self, change: Change = NOTHING) -> Plan | None:
         """P1's plan with the vehicle in, whatever it costs; None if no plan can hold it.
 
@@ -76,7 +92,7 @@ class Trials:
         and P1's own answer says whether it does.
         """
         forcing = replace(change, bonus=self.bonus)
-        return self.plan(forcing) if self.admits(forcing) else None
+        return self.plan(forcing) if self.fits(change) and self.admits(forcing) else None
 
     def cost_with(self, change: Change = NOTHING) -> float:
         """P1's value with the vehicle in and paying its own price, $; inf if it does not fit."""

@@ -16,9 +16,14 @@ class MadeUp:
 
     with_it: list[float]
     without: list[float]
+    fitting: int = 0
+    others: frozenset[str] = frozenset()
 
     def admits(self, change: Change) -> bool:
         return self.with_it[change.chargers] < self.without[change.chargers]
+
+    def fits(self, change: Change) -> bool:
+        return change.chargers >= self.fitting
 
     def cost(self, change: Change) -> float:
         return min(self.with_it[change.chargers], self.without[change.chargers])
@@ -63,6 +68,31 @@ def test_what_is_called_least_is(with_it, without, head_start, start):
         assert found.steps - 1 not in admitting
     if found.least:
         assert found.steps == (admitting[0] if admitting else None)
+
+
+@pytest.mark.parametrize("fitting", [1, 5, 19])
+def test_what_does_not_fit_is_not_tried(fitting):
+    tried = []
+
+    class Watched(MadeUp):
+        def admits(self, change: Change) -> bool:
+            tried.append(change.chargers)
+            return super().admits(change)
+
+    with_it = [9.0] * fitting + [-1.0] * (20 - fitting)
+    found = climb(Watched(with_it, [0.0] * 20, fitting))
+    assert (found.steps, found.least) == (fitting, True)
+    assert tried == [fitting]
+
+
+def test_what_never_fits_is_proven_not_to_help():
+    assert climb(MadeUp([9.0] * 20, [0.0] * 20, fitting=99)).least
+
+
+def test_among_many_newcomers_the_least_found_is_called_so():
+    many = frozenset(f"{n}" for n in range(30))
+    found = climb(MadeUp([1.0] * 9 + [-1.0] * 11, [0.0] * 20, others=many))
+    assert (found.steps, found.least) == (9, False)
 
 
 @pytest.mark.parametrize("least", [1, 2, 37, 64, 99])
