@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
+from pathlib import Path
 from statistics import median
 
 import highspy
@@ -21,10 +22,10 @@ import pulp
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.cases import CASES, Case, bundled_day, in_quarter_hours, large_day, with_lateral
+from benchmarks import growth
+from benchmarks.cases import CASES, Case
 from evdash.domain.plan import Plan, Snapshot
 from evdash.domain.scenario import Scenario
-from evdash.files.overrides import edit_scenario
 from evdash.horizon.day import run_day, start_day
 from evdash.scheduling.equations import P1, build
 from evdash.scheduling.fast.solver import solve_fast
@@ -177,9 +178,9 @@ def measure(cases: Sequence[Case], limit_seconds: float, console: Console) -> Ta
             str(case.seeds),
             both(measured.days, median),
             both(measured.days, max),
-            f"{case.day_target_seconds:g}",
+            _target(case.day_target_seconds),
             both(measured.intervals, max),
-            f"{case.worst_target_seconds:g}",
+            _target(case.worst_target_seconds),
             f"{proven:.2%}",
             f"{max(measured.gaps):.4f}",
             f"{measured.refused / measured.arrived:.0%}",
@@ -192,39 +193,14 @@ def measure(cases: Sequence[Case], limit_seconds: float, console: Console) -> Ta
     return table
 
 
+def _target(seconds: float | None) -> str:
+    return "–" if seconds is None else f"{seconds:g}"
+
+
 def _seconds(problem: Problem) -> float:
     began = time.perf_counter()
     solve_fast(problem, SECONDS_PER_INTERVAL)
     return time.perf_counter() - began
-
-
-def growth(seeds: int) -> Table:
-    """Median of a day, s, as vehicles, intervals and feeder nodes grow."""
-    table = Table(title="growth: median of a day, s on the clock / of the processor")
-    for heading in ("what grows", "to", "day"):
-        table.add_column(heading, justify="right")
-    for vehicles in (50, 100, 200, 400, 800, 1600):
-        settings = {"arrivals.vehicles_per_day": float(vehicles), "station.chargers": 200}
-        days = [edit_scenario(bundled_day(seed), settings) for seed in range(1, seeds + 1)]
-        table.add_row("vehicles", str(vehicles), _median_day(days))
-    for days, intervals in (
-        ([large_day(seed) for seed in range(1, seeds + 1)], 24),
-        ([in_quarter_hours(large_day(seed)) for seed in range(1, seeds + 1)], 96),
-    ):
-        table.add_row("intervals (1,000 vehicles)", str(intervals), _median_day(days))
-    for nodes in (13, 50, 100, 250, 500):
-        days = [with_lateral(bundled_day(seed), nodes) for seed in range(1, seeds + 1)]
-        table.add_row("feeder nodes", str(nodes), _median_day(days))
-    return table
-
-
-def _median_day(days: Sequence[Scenario]) -> str:
-    took = []
-    for scenario in days:
-        began = now()
-        run_day(start_day(scenario), p1_policy())
-        took.append(since(began))
-    return both(took, median)
 
 
 def main() -> None:
@@ -234,6 +210,7 @@ def main() -> None:
     parser.add_argument("--case", choices=[case.name for case in CASES], help="only this case")
     parser.add_argument("--limit", type=float, default=60.0, help="s for plain P1 on an interval")
     parser.add_argument("--growth", action="store_true", help="only the growth")
+    parser.add_argument("--svg", type=Path, help="where to draw the growth")
     chosen = parser.parse_args()
     cases = [case for case in CASES if chosen.case in (None, case.name)]
     if chosen.quick:
@@ -246,7 +223,10 @@ def main() -> None:
     if not chosen.growth:
         console.print(measure(cases, chosen.limit, console))
     if chosen.growth or chosen.case is None:
-        console.print(growth(seeds=1 if chosen.quick else 3))
+        points = growth.measured(seeds=1 if chosen.quick else 3)
+        console.print(growth.table(points))
+        if chosen.svg:
+            growth.save_svg(points, chosen.svg)
 
 
 if __name__ == "__main__":
