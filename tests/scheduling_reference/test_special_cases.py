@@ -179,18 +179,47 @@ def test_an_interval_that_highs_presolve_calls_infeasible_is_solved_all_the_same
 def test_the_tail_is_kept_where_the_solver_has_nothing_cheaper():
     """A solver stopped early may hand over a plan worth less than what remains of the last."""
     scenario = make_scenario(
-        price=[0.3, 0.1, 0.2, 0.1], vehicles=[vehicle("v", need_kwh=12.0, option="C2", max_kw=8.0)]
+        price=[0.3, 0.2, 0.1, 0.1], vehicles=[vehicle("v", need_kwh=12.0, option="C2", max_kw=8.0)]
     )
     begun = step(start_day(scenario), P1)
     assert begun.state.contracts
 
     def dear(problem: Problem, seconds: float) -> Solution:
-        power_kw = np.array([[4.0, 8.0, 0.0][: problem.n_slots]])
+        power_kw = np.array([[8.0, 4.0, 0.0]])
         return Solution(np.array([True]), power_kw, bound=-np.inf)
 
     kept = step(begun, p1_policy(dear)).steps[-1].plan
     snapshot = snapshot_of(begun.inputs, begun.state)
     cost = snapshot.price_per_kwh @ kept.power_kw.sum(axis=0)
     assert cost <= snapshot.price_per_kwh @ snapshot.tail_kw.sum(axis=0) + 1e-9
-    assert cost < snapshot.price_per_kwh @ [4.0, 8.0, 0.0]
+    assert cost < snapshot.price_per_kwh @ [8.0, 4.0, 0.0]
     assert kept.report.status == "feasible"
+
+
+@pytest.mark.parametrize("policy", [P1, p1_policy()], ids=["reference", "fast"])
+def test_a_tail_a_hair_outside_the_limits_is_still_feasible(policy):
+    """3.2999999 kW where a charger holds 3.3, and a hair over the headroom: within the checker's
+    tolerance, beyond any solver's."""
+    day = make_scenario(
+        **with_headroom([25.0, 6.6, 6.6 - 2e-7, 25.0]),
+        vehicles=[vehicle(name, need_kwh=9.9, option="slow") for name in ("a", "b")],
+        station={"min_kw": 3.3, "max_kw": 3.3},
+        options=[{"name": "slow", "price_per_kwh": 0.4, "average_kw": 3.3}],
+    )
+    begun = step(start_day(day), policy_giving([3.3 + 1e-7, 3.3 - 1e-7, 3.3 - 1e-9]))
+    assert begun.steps[0].plan.report.status == "feasible", begun.steps[0].plan.report.note
+    trace = run_day(begun, policy)
+    assert [s.plan.report.status for s in trace.steps[1:]] == ["optimal"] * 3
+    assert not trace.state.contracts
+
+
+def policy_giving(each: list[float]):
+    """Everybody admitted and charged alike."""
+
+    def policy(snapshot):
+        names = tuple(r.vehicle for r in snapshot.requests)
+        power_kw = np.zeros((len(names), snapshot.n_slots))
+        power_kw[:, : len(each)] = each
+        return Plan(snapshot.now, names, power_kw, admitted=names)
+
+    return policy
