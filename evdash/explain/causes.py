@@ -48,7 +48,7 @@ class Cause:
 
     `displaced_by`: newcomers without whom it would have been admitted. `loss` in $: by how
     much admitting it would have lowered the profit of what was known then; None where no
-    plan could hold it. `energy_cost` in $: what its energy would have cost beside the
+    plan with it was found. `energy_cost` in $: what its energy would have cost beside the
     contracts alone; None unless that is the cause. `then`: what would have refused it next,
     had there been as much room as it likes; blank if nothing.
     """
@@ -131,18 +131,16 @@ def _next_cause(trials: Trials, room: Change) -> Literal["", "displaced", "price
 
 
 def _outbid(trials: Trials) -> Cause:
-    loss = trials.cost_with() - trials.cost_without
+    loss = _finite(trials.cost_with() - trials.cost_without)
     alone = Change(without=trials.others)
     if not trials.admits(alone):
-        extra = trials.cost_with(alone) - _cost_without(trials, alone)
-        return Cause("price", loss=loss, energy_cost=extra + trials.request.revenue)
+        more = trials.cost_with(alone) - trials.cost(alone)
+        return Cause("price", loss=loss, energy_cost=_finite(more + trials.request.revenue))
     return Cause("displaced", displaced_by=_displacers(trials), loss=loss)
 
 
-def _cost_without(trials: Trials, change: Change) -> float:
-    """P1's value under a change that does not admit the vehicle."""
-    objective = trials.plan(change).report.objective
-    return np.inf if objective is None else objective
+def _finite(usd: float) -> float | None:
+    return float(usd) if np.isfinite(usd) else None
 
 
 def _displacers(trials: Trials) -> tuple[Request, ...]:

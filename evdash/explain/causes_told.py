@@ -46,7 +46,9 @@ def _end_of_horizon(trials: Trials, _: Cause) -> str:
 def _price(trials: Trials, cause: Cause) -> str:
     request, window = trials.request, trials.window
     cheapest = float(trials.snapshot.price_per_kwh[:window].min())
-    cost = cause.energy_cost or 0.0
+    if cause.energy_cost is None:
+        return "energy is dearer than its price: even alone it would not have been worth its cost"
+    cost = cause.energy_cost
     told = (
         f"energy is dearer than its price: beside the contracts alone its "
         f"{request.need_kwh:.1f} kWh would have cost {money(cost)} "
@@ -61,11 +63,15 @@ def _price(trials: Trials, cause: Cause) -> str:
 def _displaced(trials: Trials, cause: Cause) -> str:
     names = _named(cause.displaced_by) or "other newcomers"
     one = len(cause.displaced_by) == 1
-    loss = money(max(0.0, cause.loss or 0.0))
-    return (
+    told = (
         f"newcomers who pay better took its place: it would have been admitted if {names} "
-        f"{'had' if one else 'had all'} not come; admitting it (it pays "
-        f"{money(trials.request.revenue)}) would have lowered the profit by {loss}"
+        f"{'had' if one else 'had all'} not come"
+    )
+    if cause.loss is None:
+        return told
+    return (
+        f"{told}; admitting it (it pays {money(trials.request.revenue)}) would have lowered the "
+        f"profit by {money(max(0.0, cause.loss))}"
     )
 
 

@@ -149,7 +149,7 @@ def _slots_used(trials: Trials, change: Change) -> tuple[int, ...]:
 
     def admits(first: int, end: int) -> bool:
         slots = replace(change, slots=used[first:end])
-        return trials.fits(slots) and trials.admits(slots)
+        return not trials.cannot_fit(slots) and trials.admits(slots)
 
     end = len(used)
     first = _most_dropped(lambda n: admits(n, end), end - 1)
@@ -193,7 +193,7 @@ def higher_price(trials: Trials) -> Remedy | NoRemedy:
     """
     request = trials.request
     if not np.isfinite(trials.cost_with()):
-        return NoRemedy("price", np.inf, proven=True)
+        return NoRemedy("price", np.inf, proven=trials.cannot_fit())
     certain = trials.cost_with() - trials.bound_without + OPTIMALITY_USD
     hopeless = trials.bound_with() - trials.cost_without - OPTIMALITY_USD
     steps = np.ceil(certain / request.need_kwh / PRICE_STEP_USD)

@@ -69,12 +69,12 @@ class Ladder:
 
     def _most_not_fitting(self, most: int) -> int:
         """The largest amount with which the vehicle does not even fit beside the contracts."""
-        if self._fits(0):
+        if not self._cannot_fit(0):
             return 0
         below, above = 0, most + 1
         while above - below > 1:
             middle = (below + above) // 2
-            below, above = (below, middle) if self._fits(middle) else (middle, above)
+            below, above = (middle, above) if self._cannot_fit(middle) else (below, middle)
         return below
 
     def _closed(self) -> Found:
@@ -115,8 +115,8 @@ class Ladder:
     def _admits(self, steps: int) -> bool:
         return self.trials.admits(self.change(steps))
 
-    def _fits(self, steps: int) -> bool:
-        return self.trials.fits(self.change(steps))
+    def _cannot_fit(self, steps: int) -> bool:
+        return self.trials.cannot_fit(self.change(steps))
 
     def _ruled_out(self, low: int, high: int) -> bool:
         """Whether nothing between two amounts can admit the vehicle, a tie within a cent apart."""

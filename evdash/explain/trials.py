@@ -78,31 +78,43 @@ class Trials:
         return _objective(self.plan(change))
 
     def fits(self, change: Change = NOTHING) -> bool:
-        """Whether any plan for the contracts can hold the vehicle too.
+        """Whether a plan for the contracts and the vehicle was found.
 
         Newcomers need not be admitted, so they need not be asked: the problem is small.
         """
+        alone = replace(change, without=self.others)
+        if self.admits(replace(alone, bonus=self.bonus)):
+            return True
+        return not self.cannot_fit(change) and self.admits(alone)
+
+    def cannot_fit(self, change: Change = NOTHING) -> bool:
+        """Whether it is proven that no plan for the contracts can hold the vehicle too."""
         alone = replace(change, bonus=self.bonus, without=self.others)
-        return self.admits(alone)
+        if asked(self.inputs, self.snapshot, self.request, alone).refusal:
+            return True
+        return not self.admits(alone) and self.plan(alone).report.status == "optimal"
 
     def forced(self, change: Change = NOTHING) -> Plan | None:
-        """P1's plan with the vehicle in, whatever it costs; None if no plan can hold it.
+        """P1's plan with the vehicle in, whatever it costs; None if no such plan was found.
 
         A bonus above all that could be lost by admitting it forces it in wherever it fits,
         and P1's own answer says whether it does.
         """
         forcing = replace(change, bonus=self.bonus)
-        return self.plan(forcing) if self.fits(change) and self.admits(forcing) else None
+        if self.cannot_fit(change) or not self.admits(forcing):
+            return None
+        return self.plan(forcing)
 
     def cost_with(self, change: Change = NOTHING) -> float:
-        """P1's value with the vehicle in and paying its own price, $; inf if it does not fit."""
+        """P1's value with the vehicle in and paying its own price, $; inf if no plan was found."""
         plan = self.forced(change)
         return np.inf if plan is None else _objective(plan) + self.bonus
 
     def bound_with(self, change: Change = NOTHING) -> float:
-        """What P1's value with the vehicle in cannot fall below, $; inf if it does not fit."""
-        plan = self.forced(change)
-        return np.inf if plan is None else _bound(plan) + self.bonus
+        """What P1's value with the vehicle in cannot fall below, $; inf if it cannot fit."""
+        if self.cannot_fit(change):
+            return np.inf
+        return _bound(self.plan(replace(change, bonus=self.bonus))) + self.bonus
 
     @property
     def cost_without(self) -> float:

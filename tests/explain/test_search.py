@@ -22,8 +22,8 @@ class MadeUp:
     def admits(self, change: Change) -> bool:
         return self.with_it[change.chargers] < self.without[change.chargers]
 
-    def fits(self, change: Change) -> bool:
-        return change.chargers >= self.fitting
+    def cannot_fit(self, change: Change) -> bool:
+        return change.chargers < self.fitting
 
     def cost(self, change: Change) -> float:
         return min(self.with_it[change.chargers], self.without[change.chargers])
