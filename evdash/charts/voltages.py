@@ -1,6 +1,7 @@
 """Nodal voltages with their limits, linearised and by AC power flow."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,8 @@ from evdash.domain.outlook import Outlook
 HEIGHT_PX = 560
 LINES_DOMAIN, MAP_DOMAIN = [0.66, 1.0], [0.0, 0.55]
 MAP_PX = 250
+LEAST_DROP_PU = 1e-4
+"""The drop shown at full scale at the least, so that next to nothing looks like it."""
 LABEL_PX = 15
 VOLTAGE_TOLERANCE_PU = 1e-6
 
@@ -51,6 +54,48 @@ def voltages_figure(outlook: Outlook, ac: AcVoltages) -> Figure:
     )
 
 
+def base_figure(outlook: Outlook) -> Figure:
+    """The same without the station: what the feeder does by itself."""
+    return voltages_figure(replace(outlook, voltage_pu=outlook.base_voltage_pu), {})
+
+
+def drop_figure(outlook: Outlook) -> Figure:
+    """By how much charging lowers voltages: the largest drop over a map of all nodes."""
+    drop = outlook.base_voltage_pu - outlook.voltage_pu
+    words = spans(outlook)
+    deepest = max(float(drop.max()), LEAST_DROP_PU)
+    shown = _map(outlook) | {
+        "z": np.round(drop.T, 6).tolist(),
+        "zmin": 0.0,
+        "zmax": deepest,
+        "hovertext": [
+            [
+                f"Node {safe(node)}, {words[t]}: {drop[t, i]:.4f} pu lower by charging"
+                for t in range(outlook.n_intervals)
+            ]
+            for i, node in enumerate(outlook.nodes)
+        ],
+    }
+    shown["colorbar"] = shown["colorbar"] | {"tickformat": ".4f"}
+    line = step_line(
+        outlook,
+        drop.max(axis=1),
+        name="Largest drop by charging",
+        line={"color": BLUE, "width": 2.5, "shape": "hv"},
+        hovertemplate="%{x}: %{y:.4f} pu<extra></extra>",
+    )
+    return figure(
+        [line, shown],
+        HEIGHT_PX,
+        hovermode="closest",
+        xaxis=time_axis(outlook) | {"anchor": "y2"},
+        yaxis=value_axis("Drop, pu", domain=LINES_DOMAIN, range=[0.0, 1.1 * deepest], nticks=5),
+        yaxis2=_node_axis(outlook),
+        shapes=now_shapes(outlook),
+        annotations=[now_label(outlook)] if outlook.now else [],
+    )
+
+
 def voltages_table(outlook: Outlook, ac: AcVoltages) -> list[dict[str, object]]:
     """Lowest and highest voltage by interval as rows of a table."""
     rows: list[dict[str, object]] = []
@@ -66,6 +111,9 @@ def voltages_table(outlook: Outlook, ac: AcVoltages) -> list[dict[str, object]]:
                 "at node": outlook.nodes[low],
                 "Highest, pu": round(float(outlook.voltage_pu[t, high]), 4),
                 "at node ": outlook.nodes[high],
+                "Largest drop by charging, pu": round(
+                    float((outlook.base_voltage_pu[t] - outlook.voltage_pu[t]).max()), 5
+                ),
                 "Lowest by AC, pu": (
                     round(float(found.min()), 4) if found is not None and solved else None
                 ),

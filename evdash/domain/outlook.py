@@ -11,10 +11,11 @@ class Outlook:
     """Conditions of every interval under the inputs in force when it was, or will be, decided.
 
     Interval t runs from `times[t]` to `times[t + 1]`; those before `now` are executed, the
-    others planned. Shapes: times (intervals + 1,), voltage_pu (intervals, nodes), linearised;
-    all others (intervals,). `headroom_kw` is inf and `binding` "" where nothing limits.
-    `station_rating_kw` is what the station's load is measured against: the rating nearest to
-    it on its way to the source, or the most its chargers can draw.
+    others planned. Shapes: times (intervals + 1,); voltage_pu and base_voltage_pu, the latter
+    without the station, (intervals, nodes), linearised; all others (intervals,). `headroom_kw`
+    is inf and `binding` "" where nothing limits. `station_rating_kw` is what the station's load
+    is measured against: the rating nearest to it on its way to the source, or the most its
+    chargers can draw.
     """
 
     now: int
@@ -26,6 +27,7 @@ class Outlook:
     binding: tuple[str, ...]
     nodes: tuple[str, ...]
     voltage_pu: Floats
+    base_voltage_pu: Floats
     voltage_min_pu: float
     voltage_max_pu: float
     station_rating_kw: float

@@ -18,15 +18,15 @@ def outlook(trace: Trace) -> Outlook:
     station_kw = np.concatenate([executed_station_kw(trace), trace.state.tail_kw.sum(axis=0)])
     shape = scenario.intervals
     price, load, headroom = np.empty(shape), np.empty(shape), np.empty(shape)
-    voltage = np.empty((shape, len(feeder.nodes)))
+    voltage, base_voltage = np.empty((2, shape, len(feeder.nodes)))
     binding: list[str] = []
     for inputs, span in spans_in_force(trace):
         price[span] = inputs.scenario.price_per_kwh[span]
         load[span] = load_kw(inputs.scenario)[span]
         headroom[span] = inputs.rows.headroom_kw()[span]
-        voltage[span] = voltage_pu(inputs.scenario, radial_feeder(inputs.scenario), station_kw)[
-            span
-        ]
+        in_force = inputs.scenario, radial_feeder(inputs.scenario)
+        voltage[span] = voltage_pu(*in_force, station_kw)[span]
+        base_voltage[span] = voltage_pu(*in_force, np.zeros(shape))[span]
         binding += inputs.rows.binding()[span]
     return Outlook(
         now=trace.now,
@@ -38,6 +38,7 @@ def outlook(trace: Trace) -> Outlook:
         binding=tuple(binding),
         nodes=feeder.nodes,
         voltage_pu=voltage,
+        base_voltage_pu=base_voltage,
         voltage_min_pu=scenario.feeder.voltage_min_pu,
         voltage_max_pu=scenario.feeder.voltage_max_pu,
         station_rating_kw=station_rating_kw(scenario, feeder),

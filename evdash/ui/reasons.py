@@ -3,8 +3,12 @@
 from evdash.domain.trace import Trace
 from evdash.errors import SolverFailure
 from evdash.explain.refusals import explain_vehicle, too_late
+from evdash.explain.revisions import explain_revision
+from evdash.explain.worth import day_worths
 from evdash.ui.solving import policy
 from evdash.ui.words import plain
+
+NOT_IN_TIME = "That could not be found out in time."
 
 
 def refused_latest_first(trace: Trace) -> list[str]:
@@ -19,5 +23,23 @@ def told_why(trace: Trace, vehicle: str) -> list[str]:
     try:
         explanation = explain_vehicle(trace, vehicle, policy)
     except SolverFailure:
-        return ["That could not be found out in time."]
+        return [NOT_IN_TIME]
     return [plain(line) for line in (explanation.detail, explanation.remedy) if line]
+
+
+def told_revision(trace: Trace) -> list[str]:
+    """What the last step changed in the plan of the step before it, and why."""
+    if len(trace.steps) < 2:
+        return ["This is the day's first plan."]
+    try:
+        return [plain(explain_revision(trace, trace.now - 1, policy).text)]
+    except SolverFailure:
+        return [NOT_IN_TIME]
+
+
+def told_worths(trace: Trace) -> list[str]:
+    """What one more charger, a higher rating, a wider voltage band would have been worth."""
+    try:
+        return [f"- {plain(worth.text)}" for worth in day_worths(trace, policy)]
+    except SolverFailure:
+        return [NOT_IN_TIME]

@@ -2,7 +2,13 @@
 
 import streamlit as st
 
-from evdash.charts.voltages import voltages_alt, voltages_figure, voltages_table
+from evdash.charts.voltages import (
+    base_figure,
+    drop_figure,
+    voltages_alt,
+    voltages_figure,
+    voltages_table,
+)
 from evdash.domain.outlook import Outlook
 from evdash.metrics.ac import AcPoint
 from evdash.ui.parts import chart, small_table, table_below, view
@@ -26,20 +32,30 @@ def voltages(session: Session) -> None:
     ac = {interval: finding.voltage_pu for interval, finding in found.items()}
     left, right = st.columns([2, 1], gap="medium")
     with left:
-        st.markdown("#### Voltages", help=VOLTAGE_HELP)
-        chart(
-            session,
-            "voltages",
-            lambda: voltages_figure(ahead, ac),
-            voltages_alt(ahead),
-            detail=len(ac),
-        )
+        with st.container(horizontal=True, vertical_alignment="center", key="voltages_head"):
+            st.markdown("#### Voltages", help=VOLTAGE_HELP, width="content")
+            way = st.segmented_control(
+                "What to show",
+                WAYS,
+                default=WAYS[0],
+                required=True,
+                key="voltage_way",
+                label_visibility="collapsed",
+                persist_state="session",
+            )
+        draw = {
+            WAYS[0]: lambda: voltages_figure(ahead, ac),
+            WAYS[1]: lambda: base_figure(ahead),
+            WAYS[2]: lambda: drop_figure(ahead),
+        }[way]
+        chart(session, "voltages", draw, voltages_alt(ahead), detail=(way, len(ac)))
         table_below("voltages", lambda: voltages_table(ahead, ac))
     with right, st.container(key="ac"):
         _ac_words(session, found)
         _limits(session)
 
 
+WAYS = ("With charging", "Without", "Difference")
 VOLTAGE_HELP = (
     "Per unit (pu): as a share of nominal voltage. The optimiser works with a linearised model "
     "of the feeder; the full AC power flow, which knows losses, checks what was executed."

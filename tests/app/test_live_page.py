@@ -8,6 +8,7 @@ from streamlit.testing.v1 import AppTest
 
 from evdash.explain.refusals import explain_vehicle
 from evdash.files.bundled import bundled_scenarios
+from evdash.ui.reasons import told_revision, told_worths
 from evdash.ui.session import KEY, Session
 from evdash.ui.words import plain
 
@@ -217,3 +218,31 @@ def test_a_refusal_that_is_picked_is_explained() -> None:
     assert plain(told.remedy) in shown
     clicked(at, "step", 5)
     assert at.selectbox(key="why").value == refused[0]
+
+
+def test_voltages_are_shown_three_ways() -> None:
+    at = opened(steps=19)
+    shown = set()
+    for way in ("With charging", "Without", "Difference"):
+        at.segmented_control(key="voltage_way").set_value(way).run()
+        assert not at.exception
+        shown.add(figures(at)["chart_voltages"])
+    assert len(shown) == 3
+
+
+def test_what_changed_and_what_more_is_worth_are_told_when_opened() -> None:
+    at = opened(steps=19)
+    trace = session(at).run.trace
+    assert told_revision(trace)[0] in set(opened_texts(at, "told_revision"))
+    clicked(at, "finish")
+    told = told_worths(session(at).run.trace)
+    assert len(told) == 3
+    assert set(told) <= set(opened_texts(at, "told_worth"))
+
+
+def opened_texts(at: AppTest, key: str) -> list[str]:
+    """All paragraphs of the page after a box has been opened."""
+    at.session_state[key] = True
+    at.run()
+    assert not at.exception
+    return [text.value for text in at.markdown]

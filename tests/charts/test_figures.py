@@ -11,7 +11,13 @@ import pytest
 from evdash.charts.admissions import admissions_alt, admissions_figure, admissions_table
 from evdash.charts.load import load_alt, load_table, normalised_figure, units_figure
 from evdash.charts.schedule import schedule_alt, schedule_figure, schedule_table
-from evdash.charts.voltages import voltages_alt, voltages_figure, voltages_table
+from evdash.charts.voltages import (
+    base_figure,
+    drop_figure,
+    voltages_alt,
+    voltages_figure,
+    voltages_table,
+)
 from evdash.domain.trace import Trace
 from evdash.horizon.day import run_day, start_day
 from evdash.metrics.outlook import outlook
@@ -29,6 +35,8 @@ def figures(trace: Trace) -> dict[str, dict[str, Any]]:
         "normalised": normalised_figure(ahead),
         "units": units_figure(ahead),
         "voltages": voltages_figure(ahead, ac),
+        "voltages without": base_figure(ahead),
+        "voltage drop": drop_figure(ahead),
     }
 
 
@@ -246,3 +254,16 @@ def crowd(number: int, intervals: int, minutes: int = 15) -> Trace:
         ],
     )
     return run_day(start_day(scenario), p1_policy())
+
+
+def test_the_three_voltages_add_up(trace: Trace) -> None:
+    """Without charging, less the drop, is what there is with charging."""
+    shown = figures(trace)
+    maps = {
+        name: np.array(next(t for t in shown[name]["data"] if t["type"] == "heatmap")["z"])
+        for name in ("voltages", "voltages without", "voltage drop")
+    }
+    with_charging = maps["voltages without"] - maps["voltage drop"]
+    assert np.allclose(with_charging, maps["voltages"], atol=2e-5)
+    assert (maps["voltage drop"].max() > 1e-4) == bool(trace.steps)
+    assert maps["voltage drop"].min() >= 0
