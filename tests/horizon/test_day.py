@@ -56,7 +56,7 @@ def test_every_promise_and_limit_is_kept_on_longer_days(seed):
 
 
 @pytest.mark.long
-@settings(max_examples=2000)
+@settings(max_examples=500)
 @given(st.one_of(small_days(8, 10), crowded_days(8, 8)))
 def test_every_promise_and_limit_is_kept_in_many_days(scenario):
     assert problems_of_day(run_day(start_day(scenario), P1)) == []

@@ -75,7 +75,7 @@ def test_no_plan_with_the_same_contracts_and_chargers_is_earlier(scenario):
 
 
 @pytest.mark.long
-@settings(max_examples=1500)
+@settings(max_examples=300)
 @given(st.one_of(small_days(8, 8), crowded_days(8, 8)))
 def test_no_plan_is_earlier_in_more_and_larger_days(scenario):
     assert_earliest_within_a_cent(scenario)
