@@ -1,7 +1,7 @@
 """P1 as the paper writes it, in PuLP: one function per equation.
 
 Each function adds its equation to a model. A formulation is a tuple of such functions
-(`P1`, `P1_NODE_BY_NODE`, `LEAST_SHORTFALL`), so that a variant exchanges one for another.
+(`P1`, `LEAST_SHORTFALL`), so that a variant exchanges one for another.
 Within a function the paper's letters are used: u, D, P, s, a, c.
 """
 

@@ -67,6 +67,8 @@ def best_first(search: Search, root: LpPoint) -> tuple[Floats | None, float]:
             fixed_lower[n] = fixed_upper[n] = value
             search.session.bound(at.u, fixed_lower, fixed_upper)
             solved, child = solved + 1, search.relaxed(OWN_CUT_ROUNDS)
+            if child is None and not search.session.infeasible:
+                return best, cost  # stopped, not disproven
             if child is None:
                 continue
             if not is_whole(child.values[at.u]):
@@ -74,7 +76,7 @@ def best_first(search: Search, root: LpPoint) -> tuple[Floats | None, float]:
                 heapq.heappush(opened, node)
             elif child.objective < cost:
                 best, cost = child.values, child.objective
-    if not opened:
+    if not opened and best is not None:
         search.bound = max(search.bound, cost)
     return best, cost
 
@@ -92,6 +94,8 @@ def by_guessing(search: Search, root: LpPoint, best: Floats | None, cost: float)
             continue
         settled = settled_by_reduced_costs(search, root, beyond - root.objective)
         outcome = branch(search, settled, nodes=NODES, only_u=True, absolute_gap=GAP_USD)
+        if np.isinf(beyond) and outcome.values is None:
+            break  # the tail is a point of P1: with nothing ruled out, "infeasible" proves nothing
         search.bound = max(search.bound, min(outcome.bound, beyond))
         if outcome.values is not None:
             found = float(search.relaxation.program.cost @ outcome.values)
