@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from evdash.grid.acflow import ac_flow
+from evdash.grid.acflow import AcNetwork, ac_flow
 from evdash.grid.lindistflow import base_injections, line_flows, voltage_pu, with_station
 from evdash.grid.radial import radial_feeder
 from tests.builders import line, make_scenario, node, scenarios
@@ -72,10 +72,10 @@ def test_interval_without_ac_solution_is_nan_and_leaves_the_others_alone():
     assert result.voltage_pu[[0, 2], 0] == pytest.approx(np.repeat(alone.voltage_pu[0], 2))
 
 
-def test_intervals_may_begin_later():
+def test_single_intervals_can_be_solved():
     scenario = one_line(200, load=[0.2, 0.6, 1.0], price=[0.1] * 3)
     whole = ac_flow(scenario, np.array([0.0, 10.0, 20.0]))
-    later = ac_flow(scenario, np.array([10.0, 20.0]), first_interval=1)
+    later = AcNetwork(scenario).flow(scenario, np.array([1, 2]), np.array([10.0, 20.0]))
     assert later.voltage_pu == pytest.approx(whole.voltage_pu[1:])
 
 
