@@ -44,11 +44,6 @@ class Remedy:
         """What `changed` takes to apply it."""
         return change_by(self.kind, self.amount)
 
-    @property
-    def a_little_less(self) -> Change:
-        """What is no longer enough."""
-        return change_by(self.kind, self.refused_at)
-
 
 @dataclass(frozen=True, slots=True)
 class NoRemedy:

@@ -37,7 +37,8 @@ def decision(session: Session) -> None:
 
 
 INTRODUCTION = (
-    "Every interval new vehicles ask for a charge and choose a price. The station says **yes** — "
+    "Every interval new plug-in electric vehicles (PEVs) ask for a charge and choose a price. The "
+    "station says **yes** — "
     "a contract: this much energy by that time — or **no**, at once, knowing nothing of who comes "
     "later. Then it plans all contracted charging anew, for the highest profit within what the "
     "feeder and the chargers allow.\n\nPress **Step** to decide the first interval."
