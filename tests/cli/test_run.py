@@ -211,3 +211,14 @@ def test_the_module_runs_from_a_shell(tmp_path):
     assert done.returncode == 2
     assert "scenario.toml, intervals" in done.stderr
     assert done.stdout == ""
+
+
+def test_nothing_but_the_summary_goes_to_stdout():
+    """HiGHS 1.16 writes a banner there whatever it is told."""
+    done = subprocess.run(
+        [sys.executable, "-m", "evdash", "run", "--set", "arrivals.vehicles_per_day=5"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip().startswith("Summer weekday")
