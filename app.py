@@ -4,10 +4,11 @@ import streamlit as st
 
 from evdash.ui import page
 
-LIVE = "pages/live.py"
-
 page.begin()
-groups = {"Learn": [st.Page(LIVE, title="Live", icon=":material/bolt:", default=True)]}
-shown = st.navigation(groups, position="top")
-page.go_on(LIVE)
+LEARN = [
+    st.Page("pages/live.py", title="Live", icon=":material/bolt:", default=True),
+]
+PLAN = []
+shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
+page.go_on("pages/live.py")
 shown.run()

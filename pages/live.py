@@ -2,18 +2,20 @@
 
 import streamlit as st
 
-from evdash.ui import controls, decision, drive, live, page, panels, parts, voltages
+from evdash.ui import drive, page, parts
+from evdash.ui.live import controls, decision, head, panels, voltages
 from evdash.ui.session import current
+from evdash.ui.toolbar import toolbar
 
 page.by_way_of_app("pages/live.py")
 session = current()
 controls.take_edits(session)
 controls.sidebar(session, parts.view(session))
-live.toolbar(session)
-live.headline(session)
+toolbar(session)
+head.headline(session)
 progress = st.container()
-live.answer(session)
-live.key_figures(session)
+head.answer(session)
+head.key_figures(session)
 left, right = st.columns([2, 1], gap="medium")
 with left:
     panels.schedule(session)

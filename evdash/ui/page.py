@@ -1,10 +1,12 @@
 """What every page begins with: the page's settings, look, and the way in by a deep link."""
 
 import gc
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 
 import streamlit as st
+from streamlit.navigation.page import Page
 
 ICON = Path(__file__).with_name("icon.svg")
 STYLE = """
@@ -25,7 +27,9 @@ STYLE = """
 """
 
 
-BEGUN, GOAL = "evdash:begun", "evdash:goal"
+BEGUN, GOAL, ADDRESS = "evdash:begun", "evdash:goal", "evdash:address"
+KEPT = ("preset", "run")
+"""What a page's address says of the run; it stays when another page is chosen."""
 
 
 def begin() -> None:
@@ -33,7 +37,23 @@ def begin() -> None:
     st.session_state[BEGUN] = True
     st.set_page_config(page_title="evdash", page_icon=ICON, layout="wide")
     st.html(STYLE)
+    keep_address()
     freeze()
+
+
+def navigation(groups: Mapping[str, Sequence[Page]]) -> Page:
+    """The bar of all pages in their groups, and the page to show."""
+    return st.navigation({name: pages for name, pages in groups.items() if pages}, position="top")
+
+
+def keep_address() -> None:
+    """Put back into the address what another page's link has left out."""
+    kept: dict[str, str] = st.session_state.setdefault(ADDRESS, {})
+    for name in KEPT:
+        if name in st.query_params:
+            kept[name] = st.query_params[name]
+        elif name in kept:
+            st.query_params[name] = kept[name]
 
 
 def by_way_of_app(page: str) -> None:

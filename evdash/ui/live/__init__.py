@@ -1,0 +1,1 @@
+"""What only the Live page is made of: its controls, headline, key figures, panels."""

@@ -1,0 +1,68 @@
+"""The clock, and the buttons that move the run: the same on every page that shows a run."""
+
+import streamlit as st
+
+from evdash.ui.parts import view
+from evdash.ui.session import Session
+from evdash.ui.words import counted
+
+
+def toolbar(session: Session) -> None:
+    """The clock; step, run, play, back, reset."""
+    trace, ahead = session.run.trace, view(session)
+    minutes = trace.scenario.interval_minutes
+    with st.container(key="toolbar", horizontal=True, vertical_alignment="center", gap="xsmall"):
+        with st.container(key="clock", width=130):
+            st.markdown(f"{ahead.clock:%H:%M}")
+        st.button(
+            f"Step {'1 h' if minutes == 60 else f'{minutes} min'}",
+            on_click=session.step,
+            key="step",
+            type="primary",
+            icon=":material/skip_next:",
+            disabled=trace.is_over or session.mode == "finishing",
+        )
+        _modes(session)
+        st.button(
+            "Back",
+            on_click=session.back,
+            key="back",
+            icon=":material/skip_previous:",
+            disabled=not trace.steps,
+            help="Undo the last step, and changes made since.",
+        )
+        st.button(
+            "Reset",
+            on_click=session.reset,
+            key="reset",
+            icon=":material/restart_alt:",
+            disabled=not trace.steps,
+            help="Back to the start of the day, with the settings as they are now.",
+        )
+        st.caption(
+            f"{ahead.clock:%A, %d %B} · {trace.now} of "
+            f"{counted(ahead.n_intervals, 'interval')} decided",
+            text_alignment="right",
+        )
+
+
+def _modes(session: Session) -> None:
+    """Buttons that set a run going, and stop it."""
+    over, mode = session.run.trace.is_over, session.mode
+    finishing, playing = mode == "finishing", mode == "playing"
+    st.button(
+        "Stop" if finishing else "Run to end",
+        on_click=session.set_mode,
+        args=("idle" if finishing else "finishing",),
+        key="finish",
+        icon=":material/stop:" if finishing else ":material/fast_forward:",
+        disabled=over,
+    )
+    st.button(
+        "Pause" if playing else "Play",
+        on_click=session.set_mode,
+        args=("idle" if playing else "playing",),
+        key="play",
+        icon=":material/pause:" if playing else ":material/play_arrow:",
+        disabled=over or finishing,
+    )
