@@ -7,6 +7,7 @@ from evdash.ui import page
 page.begin()
 LEARN = [
     st.Page("pages/live.py", title="Live", icon=":material/bolt:", default=True),
+    st.Page("pages/vehicles.py", title="Vehicles", icon=":material/directions_car:"),
 ]
 PLAN = []
 shown = page.navigation({"Learn": LEARN, "Plan": PLAN})

@@ -31,8 +31,13 @@ def told_revision(trace: Trace) -> list[str]:
     """What the last step changed in the plan of the step before it, and why."""
     if len(trace.steps) < 2:
         return ["This is the day's first plan."]
+    return told_revision_at(trace, trace.now - 1)
+
+
+def told_revision_at(trace: Trace, interval: int) -> list[str]:
+    """What the step at `interval` changed in the plan of the step before it, and why."""
     try:
-        return [plain(explain_revision(trace, trace.now - 1, policy).text)]
+        return [plain(explain_revision(trace, interval, policy).text)]
     except SolverFailure:
         return [NOT_IN_TIME]
 

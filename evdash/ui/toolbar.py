@@ -10,18 +10,10 @@ from evdash.ui.words import counted
 def toolbar(session: Session) -> None:
     """The clock; step, run, play, back, reset."""
     trace, ahead = session.run.trace, view(session)
-    minutes = trace.scenario.interval_minutes
     with st.container(key="toolbar", horizontal=True, vertical_alignment="center", gap="xsmall"):
         with st.container(key="clock", width=130):
             st.markdown(f"{ahead.clock:%H:%M}")
-        st.button(
-            f"Step {'1 h' if minutes == 60 else f'{minutes} min'}",
-            on_click=session.step,
-            key="step",
-            type="primary",
-            icon=":material/skip_next:",
-            disabled=trace.is_over or session.mode == "finishing",
-        )
+        step_button(session)
         _modes(session)
         st.button(
             "Back",
@@ -44,6 +36,20 @@ def toolbar(session: Session) -> None:
             f"{counted(ahead.n_intervals, 'interval')} decided",
             text_alignment="right",
         )
+
+
+def step_button(session: Session, key: str = "step") -> None:
+    """Decide the next interval."""
+    trace = session.run.trace
+    minutes = trace.scenario.interval_minutes
+    st.button(
+        f"Step {'1 h' if minutes == 60 else f'{minutes} min'}",
+        on_click=session.step,
+        key=key,
+        type="primary",
+        icon=":material/skip_next:",
+        disabled=trace.is_over or session.mode == "finishing",
+    )
 
 
 def _modes(session: Session) -> None:
