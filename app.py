@@ -9,7 +9,9 @@ LEARN = [
     st.Page("pages/live.py", title="Live", icon=":material/bolt:", default=True),
     st.Page("pages/vehicles.py", title="Vehicles", icon=":material/directions_car:"),
 ]
-PLAN = []
+PLAN = [
+    st.Page("pages/compare.py", title="Compare", icon=":material/compare_arrows:"),
+]
 shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
 page.go_on("pages/live.py")
 shown.run()

@@ -27,15 +27,18 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A scenario as it was opened, the day so far, and the answer to the last edit."""
+    """A scenario as it was opened, the day so far, and the answer to the last edit.
 
-    folder: Path
+    `folder` is the bundled scenario's; None for a scenario of the user's own.
+    """
+
+    folder: Path | None
     opened: Scenario
     trace: Trace
     answer: Answer | None = None
 
 
-def open_run(folder: Path, scenario: Scenario) -> Run:
+def open_run(folder: Path | None, scenario: Scenario) -> Run:
     """A scenario at the start of its day."""
     return Run(folder, scenario, start_day(scenario))
 

@@ -89,9 +89,13 @@ class Session:
         self._change(lambda run: runs.rewired(run, network))
 
     def open(self, folder: Path) -> None:
-        """Open another scenario."""
+        """Open another bundled scenario."""
+        self.take(runs.open_run(folder, bundled(folder)))
+
+    def take(self, run: Run) -> None:
+        """Go on with another run in place of this one."""
         self.mode = "idle"
-        self._change(lambda _: runs.open_run(folder, bundled(folder)))
+        self._change(lambda _: run)
 
     def once(self, name: str, make: Callable[[], T], detail: Hashable = None) -> T:
         """What `make` gives, made anew only for another trace or detail; the last is kept."""

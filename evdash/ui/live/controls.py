@@ -30,6 +30,8 @@ from evdash.ui.settings import (
 from evdash.ui.words import clock, plain
 
 PRESET, CURVE, NETWORK = "preset", "price_curve", "network"
+OWN = ""
+"""Stands among the presets for a scenario of the user's own."""
 CURVES = {"Ordinary": "summer-weekday", "Spike": "price-spike", "Negative": "negative-price"}
 NETWORK_HELP = (
     "The model of the feeder whose limits the schedule keeps. Linearised DistFlow, as in the "
@@ -46,7 +48,7 @@ def take_edits(session: Session) -> None:
         for key, value in typed.items()
         if value is not None and value != session.shown[key]
     }
-    if PRESET in new:
+    if PRESET in new and new[PRESET] != OWN:
         session.open(bundled_names()[new[PRESET]])
         st.query_params[PRESET] = new[PRESET]
         new = {}
@@ -72,7 +74,7 @@ def take_curve(session: Session, curve: str) -> None:
 def show_truth(session: Session, state: MutableMapping[Any, Any]) -> None:
     """Set every widget to what is in force, unless it shows it already."""
     truth: dict[str, object] = {c.key: c.value for c in all_controls(session.run.trace.scenario)}
-    truth[PRESET] = session.run.folder.name
+    truth[PRESET] = session.run.folder.name if session.run.folder else OWN
     truth[NETWORK] = session.run.trace.inputs.network
     truth[CURVE] = session.once("curve", lambda: curve_in_force(session))
     for key, value in truth.items():
@@ -99,6 +101,8 @@ def sidebar(session: Session, outlook: Outlook) -> None:
     scenario = session.run.trace.scenario
     with st.sidebar, st.container(gap="xsmall"):
         names = {name: bundled(folder).name for name, folder in bundled_names().items()}
+        if session.run.folder is None:
+            names = {OWN: session.run.opened.name} | names
         st.selectbox("Preset", list(names), format_func=names.__getitem__, key=PRESET)
         _pair(arrival_controls(scenario))
         _number(charger_control(scenario))

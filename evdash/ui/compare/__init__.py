@@ -1,0 +1,1 @@
+"""The Compare page: runs pinned under a name, held against each other."""

@@ -1,0 +1,124 @@
+"""Runs set aside under a name. No Streamlit but for where the pins are kept."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import streamlit as st
+
+from evdash.domain.scenario import Scenario
+from evdash.domain.trace import Trace
+from evdash.metrics.key_figures import common_steps, until
+from evdash.ui import run as runs
+from evdash.ui.run import Run
+from evdash.ui.session import Session
+from evdash.ui.settings import NETWORK_NAMES, changes
+from evdash.ui.solving import policy
+
+KEY = "evdash:pins"
+MOST_PINS = 5
+LONGEST_NAME = 60
+PRESENT = "Present run"
+
+
+@dataclass(frozen=True, slots=True)
+class Pin:
+    """A run as it stood when it was pinned, or since run on; `number` never comes twice."""
+
+    number: int
+    name: str
+    run: Run
+
+
+class Pins:
+    """A tab's pins. As with the run, every change is one assignment under a lock."""
+
+    def __init__(self) -> None:
+        self.all: tuple[Pin, ...] = ()
+        self.finishing = False
+        self._given = 0
+        self._lock = threading.Lock()
+
+    @property
+    def is_full(self) -> bool:
+        return len(self.all) >= MOST_PINS
+
+    def add(self, name: str, run: Run) -> None:
+        """Pin a run; nothing happens where there is no room for one more."""
+        with self._lock:
+            if self.is_full:
+                return
+            self._given += 1
+            name = self._free_name(name or suggested_name(run))
+            self.all = (*self.all, Pin(self._given, name, run))
+
+    def remove(self, number: int) -> None:
+        """Take a pin away."""
+        with self._lock:
+            self.all = tuple(pin for pin in self.all if pin.number != number)
+
+    def rename(self, number: int, name: str) -> None:
+        """Call a pin by another name; a blank one changes nothing."""
+        if name.strip():
+            self._replace(number, lambda pin: replace(pin, name=self._free_name(name, number)))
+
+    def step(self, number: int) -> None:
+        """Decide one more interval of a pinned run."""
+        self._replace(number, lambda pin: replace(pin, run=runs.stepped(pin.run, policy)))
+
+    def _replace(self, number: int, change: Callable[[Pin], Pin]) -> None:
+        with self._lock:
+            self.all = tuple(change(pin) if pin.number == number else pin for pin in self.all)
+
+    def _free_name(self, name: str, own: int = 0) -> str:
+        """The name, with a number behind it where another pin has it already."""
+        name = name.strip()[:LONGEST_NAME]
+        taken = {pin.name for pin in self.all if pin.number != own} | {PRESENT}
+        others = (f"{name} ({n})" for n in range(2, MOST_PINS + 3))
+        return name if name not in taken else next(o for o in others if o not in taken)
+
+
+def current_pins() -> Pins:
+    """The pins of this tab."""
+    if KEY not in st.session_state:
+        st.session_state[KEY] = Pins()
+    pins: Pins = st.session_state[KEY]
+    return pins
+
+
+def suggested_name(run: Run) -> str:
+    """The scenario's name, and what was changed since it was opened."""
+    now = run.trace.scenario
+    what = [told.replace("\\", "") for told in changes(run.opened, now)]
+    if run.trace.inputs.network != "lindistflow":
+        what.append(NETWORK_NAMES[run.trace.inputs.network])
+    return ", ".join([now.name, *what])[:LONGEST_NAME]
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A run held against others: its name, all of it, and the part that all have come through."""
+
+    name: str
+    run: Run
+    common: Trace
+
+    @property
+    def whole(self) -> Trace:
+        return self.run.trace
+
+    @property
+    def scenario(self) -> Scenario:
+        return self.run.trace.scenario
+
+
+def held_together(session: Session, pins: Pins) -> list[Held]:
+    """All pins, and the present run unless it is pinned as it stands."""
+    named = [(pin.name, pin.run) for pin in pins.all]
+    if all(run.trace is not session.run.trace for _, run in named):
+        named.append((PRESENT, session.run))
+    counts = common_steps([run.trace for _, run in named])
+    return [
+        Held(name, run, until(run.trace, count))
+        for (name, run), count in zip(named, counts, strict=True)
+    ]

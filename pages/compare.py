@@ -1,0 +1,20 @@
+"""Compare: runs pinned under a name, held against each other."""
+
+import streamlit as st
+
+from evdash.ui import page
+from evdash.ui.compare import board, overlays
+from evdash.ui.compare.pins import current_pins, held_together
+from evdash.ui.session import current
+
+page.by_way_of_app("pages/compare.py")
+session = current()
+pins = current_pins()
+board.pin_present(session, pins)
+board.pinned(session, pins)
+held = held_together(session, pins)
+board.how_far(held, pins)
+progress = st.container()
+overlays.comparison(held)
+with progress:
+    board.run_on(session, pins)
