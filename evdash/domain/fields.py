@@ -6,7 +6,24 @@ validation, the documentation and the help texts of the app.
 
 from typing import Annotated, Any
 
-from pydantic import Field, Strict, StringConstraints
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, StringConstraints
+
+# Bounds beyond anything real, so that no computation meets a number it cannot hold.
+LARGE = 1e9
+SMALL = 0.01
+
+
+class Record(BaseModel):
+    """A frozen record that refuses unknown fields and numbers that are not finite."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, str_strip_whitespace=True
+    )
+
+
+def _blank_is_none(value: object) -> object:
+    return None if isinstance(value, str) and not value.strip() else value
+
 
 NAME_PATTERN = r"^\w[^\x00-\x1f\x7f]*$"
 Name = Annotated[str, StringConstraints(strip_whitespace=True, max_length=60, pattern=NAME_PATTERN)]
@@ -17,6 +34,9 @@ Number = Annotated[float, Strict()]
 """A number that TOML itself wrote as one (no text, no true/false)."""
 
 Count = Annotated[int, Strict()]
+
+OptionalNumber = Annotated[float | None, BeforeValidator(_blank_is_none)]
+OptionalCount = Annotated[int | None, BeforeValidator(_blank_is_none)]
 
 
 def declare(description: str, unit: str, example: Any, **bounds: Any) -> Any:

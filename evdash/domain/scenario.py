@@ -11,28 +11,23 @@ from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from evdash.domain.fields import Count, Name, Number, declare, declare_optional
+from evdash.domain.events import Event
+from evdash.domain.fields import (
+    LARGE,
+    SMALL,
+    Count,
+    Name,
+    Number,
+    OptionalNumber,
+    Record,
+    declare,
+    declare_optional,
+)
 
 LOCAL_TIME_FORMAT = "%Y-%m-%dT%H:%M"
 FIRST_YEAR, LAST_YEAR = 1900, 2999
-
-# Bounds beyond anything real, so that no computation meets a number it cannot hold.
-LARGE = 1e9
-SMALL = 0.01
-
-
-class Record(BaseModel):
-    """A frozen record that refuses unknown fields and numbers that are not finite."""
-
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, str_strip_whitespace=True
-    )
-
-
-def _blank_is_none(value: object) -> object:
-    return None if isinstance(value, str) and not value.strip() else value
 
 
 def _local_time(value: object) -> object:
@@ -61,7 +56,6 @@ def _one(value: object) -> object:
 
 
 LocalTime = Annotated[datetime, BeforeValidator(_local_time)]
-OptionalNumber = Annotated[float | None, BeforeValidator(_blank_is_none)]
 
 
 class Feeder(Record):
@@ -252,6 +246,9 @@ class Scenario(Record):
     nodes: tuple[Node, ...] = declare("Nodes of the feeder", "", (), min_length=2)
     lines: tuple[Line, ...] = declare("Lines of the feeder", "", (), min_length=1)
     profile: tuple[ProfileRow, ...] = declare("Conditions by interval", "", (), min_length=1)
+    events: tuple[Event, ...] = Field(
+        default=(), description="What happens on the way, known only from its interval on"
+    )
 
     @cached_property
     def interval_hours(self) -> float:

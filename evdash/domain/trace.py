@@ -5,6 +5,7 @@ from datetime import datetime
 from typing import Literal, Protocol
 
 from evdash.domain.breach import Breach
+from evdash.domain.events import Event
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.plan import Plan
 from evdash.domain.scenario import Arrival, Scenario
@@ -30,9 +31,12 @@ class Inputs:
     """A scenario made ready: who arrives, what they ask, what the feeder allows.
 
     `requests[k]` take part from interval k; the last group comes after the last interval
-    has begun. `rows` are those of `network`. Policies never see this: they get a Snapshot.
+    has begun. `rows` are those of `network`. `given` is the scenario as its files tell it, with
+    every event so far and to come; `scenario` the one in force, with those so far carried into
+    it. Policies never see this: they get a Snapshot.
     """
 
+    given: Scenario
     scenario: Scenario
     arrivals: tuple[Arrival, ...]
     requests: tuple[tuple[Request, ...], ...]
@@ -45,12 +49,60 @@ class State:
     """What is carried from one interval to the next.
 
     `tail_kw` (contracts, intervals from now on), in kW, is a certified plan for every open
-    contract: the fallback that cannot fail.
+    contract: the fallback that cannot fail. `waiting` are contracts that got all that can be
+    planned for them, yet not all of their promise: another event may still make room.
     """
 
     now: int
     contracts: tuple[Contract, ...]
     tail_kw: Floats
+    waiting: tuple[Contract, ...] = ()
+
+    @property
+    def is_short(self) -> bool:
+        """Whether a promise that is not over yet cannot be kept as things stand."""
+        return bool(self.waiting) or any(contract.is_short for contract in self.contracts)
+
+
+@dataclass(frozen=True, slots=True)
+class Revision:
+    """How a happening changed the terms of one contract."""
+
+    before: Contract
+    after: Contract
+
+    @property
+    def vehicle(self) -> str:
+        return self.before.vehicle
+
+    @property
+    def short_kwh(self) -> float:
+        """What more of the promise cannot be kept, kWh; negative where something is made good."""
+        return self.after.short_kwh - self.before.short_kwh
+
+    @property
+    def promised_kwh(self) -> float:
+        """By how much the promise itself changed at its driver's wish, kWh: more, or given up."""
+        return self.after.promised_kwh - self.before.promised_kwh
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """Events known at the start of `interval`, the contracts they changed, and the state left.
+
+    `note` says where the least possible shortfall could not be proven.
+    """
+
+    interval: int
+    events: tuple[Event, ...]
+    revisions: tuple[Revision, ...]
+    after: State
+    note: str = ""
+
+    @property
+    def short_kwh(self) -> float:
+        """Energy promised that can no longer be delivered, over all contracts, kWh."""
+        return sum(max(0.0, revision.short_kwh) for revision in self.revisions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,11 +132,12 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """All steps so far, the state reached, and the inputs in force from here on."""
+    """All steps so far, the state reached, the inputs in force from here on, what happened."""
 
     inputs: Inputs
     state: State
     steps: tuple[Step, ...] = ()
+    happenings: tuple[Happening, ...] = ()
 
     @property
     def scenario(self) -> Scenario:

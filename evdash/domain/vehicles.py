@@ -39,10 +39,15 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Contract:
-    """A promise: the request's energy, complete before its deadline."""
+    """A promise: the request's energy, complete before its deadline.
+
+    `request` holds the terms in force. Where an event took away what they need, they are the
+    terms that can still be kept and `short_kwh` is what the promise was for beyond them.
+    """
 
     request: Request
     delivered_kwh: float = 0.0
+    short_kwh: float = 0.0
 
     @property
     def vehicle(self) -> str:
@@ -52,6 +57,15 @@ class Contract:
     def owed_kwh(self) -> float:
         """Energy still to come, kWh; the paper's s_n at this interval."""
         return max(0.0, self.request.need_kwh - self.delivered_kwh)
+
+    @property
+    def promised_kwh(self) -> float:
+        """The whole promise, kept or not, kWh."""
+        return self.request.need_kwh + self.short_kwh
+
+    @property
+    def is_short(self) -> bool:
+        return self.short_kwh > ENERGY_TOLERANCE_KWH
 
     @property
     def is_fulfilled(self) -> bool:

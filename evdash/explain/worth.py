@@ -70,6 +70,7 @@ def rerun(trace: Trace, scenario: Scenario, policy: Policy) -> Trace:
     """The whole day under another scenario, with the arrivals of `trace` as they were."""
     network, arrivals = trace.inputs.network, trace.inputs.arrivals
     inputs = Inputs(
+        given=scenario,
         scenario=scenario,
         arrivals=arrivals,
         requests=requests_by_interval(scenario, arrivals),

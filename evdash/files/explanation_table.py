@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable
 
-from evdash.domain.fields import declare
-from evdash.domain.scenario import Record
+from evdash.domain.fields import Record, declare
 from evdash.explain.refusals import Explanation
 from evdash.files.run_tables import table_text
 

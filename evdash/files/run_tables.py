@@ -1,19 +1,23 @@
 """The tables of a run folder, each column declared once for writing, reading and the docs."""
 
 from collections.abc import Iterable, Mapping
-from typing import Annotated, Literal, TypeVar
+from typing import Literal, TypeVar
 
-from pydantic import BeforeValidator, ValidationError
+from pydantic import ValidationError
 
-from evdash.domain.fields import declare, declare_optional
-from evdash.domain.scenario import LOCAL_TIME_FORMAT, LocalTime, OptionalNumber, Record
+from evdash.domain.fields import (
+    OptionalCount,
+    OptionalNumber,
+    Record,
+    declare,
+    declare_optional,
+)
+from evdash.domain.scenario import LOCAL_TIME_FORMAT, LocalTime
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.files.tables import read_table, write_table
 from evdash.files.wording import allowed, found
 from evdash.metrics.records import executed_power, interval_records, vehicle_records
-
-OptionalCount = Annotated[int | None, BeforeValidator(lambda value: None if value == "" else value)]
 
 
 class IntervalRow(Record):

@@ -10,6 +10,7 @@ from typing import Any
 import tomlkit
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from evdash.domain.events import Event
 from evdash.domain.scenario import (
     LOCAL_TIME_FORMAT,
     Arrival,
@@ -33,6 +34,7 @@ from evdash.files.wording import shown
 
 SETTINGS = "scenario.toml"
 TABLES: dict[str, type[BaseModel]] = {"nodes": Node, "lines": Line, "profile": ProfileRow}
+OPTIONAL_TABLES: dict[str, type[BaseModel]] = {"events": Event}
 CLOCK_TIME = re.compile(r"\s*(\d{1,2}):(\d{2})\s*")
 SOMETIME = datetime(2020, 1, 1)
 
@@ -71,6 +73,10 @@ class _Reader:
         for name, record in TABLES.items():
             self._refuse_key(raw, name)
             raw[name] = self._table((name,), f"{name}.csv", record)
+        for name, record in OPTIONAL_TABLES.items():
+            self._refuse_key(raw, name)
+            if f"{name}.csv" in self.files:
+                raw[name] = self._table((name,), f"{name}.csv", record)
         self._arrivals(raw)
         self._unknown_files()
         options = raw.get("option")
@@ -211,7 +217,8 @@ def resolve_clock_time(value: object, start: datetime) -> object:
 
 def _in_order(scenario: Scenario) -> Scenario:
     rows = tuple(sorted(scenario.profile, key=lambda row: row.interval))
-    return scenario.replacing(profile=rows)
+    events = tuple(sorted(scenario.events, key=lambda event: event.interval))
+    return scenario.replacing(profile=rows, events=events)
 
 
 def resolved(scenario: Scenario, arrivals: tuple[Arrival, ...]) -> Scenario:
@@ -231,6 +238,11 @@ def scenario_files(scenario: Scenario) -> dict[str, str]:
     files = {
         f"{name}.csv": _table_text(record, getattr(scenario, name))
         for name, record in TABLES.items()
+    }
+    files |= {
+        f"{name}.csv": _table_text(record, getattr(scenario, name))
+        for name, record in OPTIONAL_TABLES.items()
+        if getattr(scenario, name)
     }
     known = scenario.arrivals
     statistics = known.forecast if isinstance(known, RecordedArrivals) else known
@@ -252,7 +264,8 @@ def _cell(value: object) -> object:
 
 def _settings_text(scenario: Scenario) -> str:
     known = scenario.arrivals
-    settings = scenario.model_dump(exclude={*TABLES, "arrivals"}, exclude_none=True)
+    in_files = {*TABLES, *OPTIONAL_TABLES, "arrivals"}
+    settings = scenario.model_dump(exclude=in_files, exclude_none=True)
     settings["start"] = scenario.start.strftime(LOCAL_TIME_FORMAT)
     settings["option"] = list(settings["option"])
     if isinstance(known, GeneratedArrivals):

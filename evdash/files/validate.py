@@ -16,6 +16,7 @@ from pydantic_core import ErrorDetails
 from evdash.domain.scenario import GeneratedArrivals, RecordedArrivals, Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.checks import CHECKS, Place, Problem
+from evdash.files.event_checks import EVENT_CHECKS
 from evdash.files.wording import allowed, found, meaning
 
 Raw = dict[str, Any]
@@ -50,7 +51,8 @@ def validate(raw: Raw, where: Where = dotted, known_faulty: Sequence[Place] = ()
                 faulty.add(place)
             raw = _with_stand_ins(raw, error)
     if scenario is not None:
-        for problem in (problem for check in CHECKS for problem in check(scenario)):
+        checks = (*CHECKS, *EVENT_CHECKS)
+        for problem in (problem for check in checks for problem in check(scenario)):
             if not _draws_on(problem, faulty):
                 faults.append(_told(problem, where))
     if faults or known_faulty or scenario is None:
@@ -147,7 +149,7 @@ def _field_fault(raw: Raw, place: Place, details: ErrorDetails, where: Where) ->
 
 def _keys(record: type[BaseModel]) -> list[str]:
     """The keys of a record as scenario.toml has them: tables are files of their own."""
-    in_files = {"nodes", "lines", "profile"} if record is Scenario else set()
+    in_files = {"nodes", "lines", "profile", "events"} if record is Scenario else set()
     names = [name for name in record.model_fields if name not in in_files]
     return ["file" if name == "vehicles" else name for name in names]
 

@@ -1,10 +1,15 @@
 """From one interval to the next: equation (10), without a solver and without mutation."""
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 
 from evdash.domain.plan import Plan, Snapshot
 from evdash.domain.trace import Inputs, State
 from evdash.domain.vehicles import Contract, Request
+
+PROMISES_SHORT = "promises already made cannot all be kept at present; nobody new is admitted"
 
 
 def initial_state(n_intervals: int) -> State:
@@ -13,8 +18,14 @@ def initial_state(n_intervals: int) -> State:
 
 
 def snapshot_of(inputs: Inputs, state: State) -> Snapshot:
-    """What is known at `state.now`: nothing of who comes later."""
+    """What is known at `state.now`: nothing of who comes later.
+
+    While a promise is short nobody new can be served: requests then say so at the door.
+    """
     scenario = inputs.scenario
+    requests = inputs.requests[state.now]
+    if state.is_short:
+        requests = tuple(replace(r, refusal=r.refusal or PROMISES_SHORT) for r in requests)
     return Snapshot(
         now=state.now,
         interval_hours=scenario.interval_hours,
@@ -22,7 +33,7 @@ def snapshot_of(inputs: Inputs, state: State) -> Snapshot:
         price_per_kwh=scenario.price_per_kwh[state.now :],
         rows=inputs.rows.from_interval(state.now),
         contracts=state.contracts,
-        requests=inputs.requests[state.now],
+        requests=requests,
         tail_kw=state.tail_kw,
     )
 
@@ -40,7 +51,8 @@ def advance(
 ) -> State:
     """(10): deliver the plan's first slot, count down, keep the rest as the tail.
 
-    A contract leaves when it is fulfilled or its deadline has passed.
+    A contract leaves when it is fulfilled or its deadline has passed; one whose terms were cut
+    waits for its deadline, should there be room again.
     """
     now = state.now + 1
     charged = [
@@ -54,4 +66,18 @@ def advance(
     ]
     tail_kw = plan.power_kw[stays, 1:]
     tail_kw.setflags(write=False)
-    return State(now=now, contracts=tuple(charged[n] for n in stays), tail_kw=tail_kw)
+    return State(
+        now=now,
+        contracts=tuple(charged[n] for n in stays),
+        tail_kw=tail_kw,
+        waiting=still_waiting((*state.waiting, *charged), now),
+    )
+
+
+def still_waiting(contracts: Iterable[Contract], now: int) -> tuple[Contract, ...]:
+    """Contracts that got all that was planned, are short of their promise and not yet over."""
+    return tuple(
+        contract
+        for contract in contracts
+        if contract.is_fulfilled and contract.is_short and contract.request.deadline_interval > now
+    )

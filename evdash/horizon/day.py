@@ -1,6 +1,7 @@
 """The moving horizon: the one loop over the day in the whole program."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from evdash.checker.plans import plan_problems
 from evdash.domain.plan import Plan, Policy, Snapshot, SolveReport, energy_cost, tail_plan
@@ -8,6 +9,7 @@ from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Inputs, LimitCheck, Network, Step, Trace
 from evdash.errors import PowerFlowDiverged, SolverFailure
 from evdash.horizon.advance import advance, contracts_under, initial_state, snapshot_of
+from evdash.horizon.happen import reached
 from evdash.horizon.inputs import prepare
 from evdash.horizon.networks import limit_check
 
@@ -19,13 +21,15 @@ def start_day(scenario: Scenario, network: Network = "lindistflow") -> Trace:
 
 def begin(inputs: Inputs) -> Trace:
     """A day about to begin, from inputs already prepared."""
-    return Trace(inputs=inputs, state=initial_state(inputs.scenario.intervals))
+    return reached(Trace(inputs=inputs, state=initial_state(inputs.scenario.intervals)))
 
 
 def run_day(trace: Trace, policy: Policy, on_step: Callable[[Trace], None] | None = None) -> Trace:
     """Step to the end of the horizon, telling `on_step` after every step."""
-    check = limit_check(trace.inputs)
+    inputs, check = trace.inputs, limit_check(trace.inputs)
     while not trace.is_over:
+        if trace.inputs is not inputs:  # something has happened
+            inputs, check = trace.inputs, limit_check(trace.inputs)
         trace = step(trace, policy, check)
         if on_step is not None:
             on_step(trace)
@@ -33,21 +37,24 @@ def run_day(trace: Trace, policy: Policy, on_step: Callable[[Trace], None] | Non
 
 
 def step(trace: Trace, policy: Policy, check: LimitCheck | None = None) -> Trace:
-    """Decide the interval `trace.now` and carry it out; the trace given stays as it was."""
+    """Decide the interval `trace.now` and carry it out, up to what happens as the next begins.
+
+    The trace given stays as it was.
+    """
     inputs, before = trace.inputs, trace.state
     check = check or limit_check(inputs)
     snapshot = snapshot_of(inputs, before)
     plan = certified_plan(policy, snapshot, check)
     after = advance(before, plan, snapshot.requests, snapshot.interval_hours)
     taken = Step(before=before, inputs=inputs, requests=snapshot.requests, plan=plan, after=after)
-    return Trace(inputs=inputs, state=after, steps=(*trace.steps, taken))
+    return reached(replace(trace, state=after, steps=(*trace.steps, taken)))
 
 
 def certified_plan(policy: Policy, snapshot: Snapshot, check: LimitCheck) -> Plan:
     """The policy's plan if it passes every check, else the last plan's tail, labelled so.
 
-    The tail was certified when it was made and inputs are only changed by `revise`, which
-    certifies it anew, so that a step never breaks a contract. A solver or power flow that
+    The tail was certified when it was made and inputs are only changed by `revise` and `happen`,
+    which certify it anew, so that a step never breaks a contract. A solver or power flow that
     found nothing is answered by the tail; any other exception is a mistake in the policy's
     code and is let through, with the trace as it was.
     """

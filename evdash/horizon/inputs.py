@@ -7,6 +7,7 @@ from evdash.domain.scenario import Arrival, GeneratedArrivals, Scenario
 from evdash.domain.trace import Inputs, Network
 from evdash.errors import Fault, InputError
 from evdash.horizon.arrivals import arrivals_of, renumbered
+from evdash.horizon.in_force import in_force
 from evdash.horizon.networks import NETWORKS
 from evdash.horizon.requests import first_interval, requests_by_interval
 
@@ -15,9 +16,10 @@ FEEDER_PARTS = ("feeder", "nodes", "lines", "interval_minutes", "intervals")
 
 
 def prepare(scenario: Scenario, network: Network = "lindistflow") -> Inputs:
-    """Draw the arrivals, word their requests, reduce the feeder."""
+    """Draw the arrivals, word their requests, reduce the feeder; nothing has happened yet."""
     arrivals = arrivals_of(scenario)
     return Inputs(
+        given=scenario,
         scenario=scenario,
         arrivals=arrivals,
         requests=requests_by_interval(scenario, arrivals),
@@ -26,12 +28,14 @@ def prepare(scenario: Scenario, network: Network = "lindistflow") -> Inputs:
     )
 
 
-def prepare_from(scenario: Scenario, network: Network, past: Inputs, now: int) -> Inputs:
+def prepare_from(given: Scenario, network: Network, past: Inputs, now: int) -> Inputs:
     """Inputs in force from interval `now` on: who came before stays, only the rest is redrawn.
 
-    What those who came before asked for stays worded as it was. Once the day is over nobody
-    is to come any more, not even too late.
+    `given` is the scenario without what happened on the way; its events up to `now` are carried
+    into the one in force. What those who came before asked for stays worded as it was. Once the
+    day is over nobody is to come any more, not even too late.
     """
+    scenario = in_force(given, now)
     begin = now if now < scenario.intervals else now + 1
     came = [a for a in past.arrivals if first_interval(past.scenario, a.arrival) < begin]
     coming = [a for a in arrivals_of(scenario) if first_interval(scenario, a.arrival) >= begin]
@@ -39,6 +43,7 @@ def prepare_from(scenario: Scenario, network: Network, past: Inputs, now: int) -
         coming = list(renumbered(coming, first=len(came) + 1))
     _refuse_names_twice(came, coming)
     return Inputs(
+        given=given,
         scenario=scenario,
         arrivals=(*came, *coming),
         requests=past.requests[:begin] + requests_by_interval(scenario, coming)[begin:],

@@ -19,6 +19,7 @@ CLOCK = ("start", "interval_minutes", "intervals")
 def revise(trace: Trace, scenario: Scenario, network: Network | None = None) -> Trace:
     """The day with `scenario`, and `network` if given, in force from now on; the past stays.
 
+    `scenario` is one as given: what has happened on the way, by its events, is carried into it.
     Before the first step the whole day changes. Later, contracts keep their terms, and
     arrivals are redrawn only from the interval being decided. If the certified tail no
     longer holds under the new limits, another schedule for the same contracts takes its

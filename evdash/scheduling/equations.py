@@ -1,7 +1,7 @@
 """P1 as the paper writes it, in PuLP: one function per equation.
 
 Each function adds its equation to a model. A formulation is a tuple of such functions
-(`P1`, `LEAST_SHORTFALL`), so that a variant exchanges one for another.
+(`P1`, `RECOURSE`), so that a variant exchanges one for another.
 Within a function the paper's letters are used: u, D, P, s, a, c.
 """
 
@@ -9,9 +9,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 
+import numpy as np
 import pulp
 
 from evdash.domain.limits import STATION
+from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH
 from evdash.scheduling.problem import Problem
 
 
@@ -87,11 +89,11 @@ def charger_power(model: Model) -> None:
 
 
 def time_of_return(model: Model) -> None:
-    """(7a) D = 0 from the promised return on."""
-    a = model.data.intervals_left
+    """(7a) D = 0 from the promised return on, and while a vehicle is away."""
+    window = model.data.window
     for n in model.vehicles:
         for t in model.slots:
-            if t >= a[n]:
+            if not window[n, t]:
                 model.lp += model.D[n][t] == 0, f"returned_{n}_{t}"
 
 
@@ -139,8 +141,37 @@ def charger_count(model: Model) -> None:
 
 
 def least_missing_energy(model: Model) -> None:
-    """Objective of recourse: as little energy missing as possible, kWh."""
-    model.lp += pulp.lpSum(model.short_kwh)
+    """Objective of recourse, first: as little energy missing as possible, kWh."""
+    model.lp.setObjective(pulp.lpSum(model.short_kwh[n] for n in _firm(model)))
+
+
+def fewest_vehicles_short(model: Model) -> None:
+    """Objective of recourse, second: as few vehicles short as possible, short ≤ s·z."""
+    s = model.data.owed_kwh
+    z = {n: model.lp.add_variable(f"z_{n}", cat=pulp.LpBinary) for n in _firm(model)}
+    for n, one in z.items():
+        model.lp += model.short_kwh[n] <= s[n] * one, f"is_short_{n}"
+    model.lp.setObjective(pulp.lpSum(z.values()))
+
+
+def least_given_up(model: Model) -> None:
+    """Objective of recourse, third: least given up by who changed its own terms, kWh."""
+    firm = set(_firm(model))
+    model.lp.setObjective(pulp.lpSum(model.short_kwh[n] for n in model.vehicles if n not in firm))
+
+
+def least_money(model: Model) -> None:
+    """Objective of recourse, last: energy cost, and revenue lost with what is missing, $."""
+    c, h = model.data.price_per_kwh, model.data.interval_hours
+    cost = pulp.lpSum(c[t] * h * model.P[n][t] for n in model.vehicles for t in model.slots)
+    paid = model.data.revenue / np.maximum(model.data.owed_kwh, ENERGY_TOLERANCE_KWH)
+    lost = pulp.lpSum(paid[n] * model.short_kwh[n] for n in model.vehicles)
+    model.lp.setObjective(cost + lost)
+
+
+def _firm(model: Model) -> list[int]:
+    """The contracts; after them stand those who changed their own terms."""
+    return [n for n in model.vehicles if n < model.data.n_contracts]
 
 
 CHARGING: tuple[Equation, ...] = (
@@ -152,9 +183,10 @@ CHARGING: tuple[Equation, ...] = (
     charger_count,
 )
 P1: tuple[Equation, ...] = (profit, *CHARGING, energy_owed, feeder_limits)
-LEAST_SHORTFALL: tuple[Equation, ...] = (
-    *CHARGING,
-    energy_owed_or_short,
-    feeder_limits,
+RECOURSE: tuple[Equation, ...] = (*CHARGING, energy_owed_or_short, feeder_limits)
+RECOURSE_OBJECTIVES: tuple[Equation, ...] = (
     least_missing_energy,
+    fewest_vehicles_short,
+    least_given_up,
+    least_money,
 )

@@ -2,15 +2,19 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
 from evdash.domain.vehicles import Request
+from evdash.errors import SolverFailure
 from evdash.scheduling.clean import cleaned
 from evdash.scheduling.earliest import earliest_first
 from evdash.scheduling.fast.solver import solve_fast
+from evdash.scheduling.guarded import answered
 from evdash.scheduling.problem import (
     OPTIMALITY_USD,
     TIE_USD,
@@ -32,10 +36,28 @@ def p1_policy(solve: Solver = solve_fast, seconds: float = SECONDS_PER_INTERVAL)
     def p1(snapshot: Snapshot) -> Plan:
         began = time.perf_counter()
         problem = problem_of(snapshot)
-        solution = solve(problem, seconds) if problem.n_vehicles else _nothing(problem)
+        if problem.n_vehicles:
+            solution = usable(answered(partial(solve, problem, seconds), seconds), problem)
+        else:
+            solution = _nothing(problem)
         return plan_of(snapshot, problem, solution, began, seconds)
 
     return p1
+
+
+def usable(solution: Solution, problem: Problem) -> Solution:
+    """The solution, if it is made of numbers; SolverFailure otherwise.
+
+    Whether those keep promises and limits is for the checker to say.
+    """
+    shape = (problem.n_vehicles, problem.n_slots)
+    if solution.power_kw.shape != shape or solution.admitted.shape != shape[:1]:
+        raise SolverFailure("the solver's answer is to another problem")
+    if not np.isfinite(solution.power_kw).all():
+        raise SolverFailure("the solver's answer holds what is not a number")
+    if np.isnan(solution.bound):
+        return replace(solution, bound=-np.inf)
+    return solution
 
 
 def plan_of(
@@ -98,7 +120,11 @@ def _earlier(
     limit = max(
         min(bound + TIE_USD, problem.tail_objective) + revenue, problem.energy_cost(power_kw)
     )
-    earlier = earliest_first(problem, power_kw > 0, power_kw, limit, seconds)
+    try:
+        moved = partial(earliest_first, problem, power_kw > 0, power_kw, limit, seconds)
+        earlier = answered(moved, seconds)
+    except SolverFailure:
+        return power_kw
     earlier = cleaned(problem, admitted, earlier)
     return earlier if problem.energy_cost(earlier) <= limit + ROUNDING_USD else power_kw
 

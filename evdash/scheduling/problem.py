@@ -1,5 +1,6 @@
 """A snapshot as the arrays P1 is written in."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,8 @@ class Problem:
 
     Shapes: owed_kwh, intervals_left, low_kw, high_kw and revenue (vehicles,); price_per_kwh
     (slots,). `revenue` in $ is what admitting brings, 0 for contracts. `low_kw` is the lower
-    end of (6b), min(min_kw, owed/Δt).
+    end of (6b), min(min_kw, owed/Δt). `first_slot`, (vehicles,) or one for all, is the first
+    in which a vehicle is there: 0 but for who is late.
     """
 
     vehicles: tuple[str, ...]
@@ -41,6 +43,7 @@ class Problem:
     chargers: int
     rows: LimitRows
     tail_kw: Floats
+    first_slot: Ints | int = 0
 
     @property
     def n_vehicles(self) -> int:
@@ -53,7 +56,8 @@ class Problem:
     @property
     def window(self) -> Bools:
         """(7a): in which slots each vehicle may charge, (vehicles, slots)."""
-        return np.arange(self.n_slots) < self.intervals_left[:, None]
+        slots, first = np.arange(self.n_slots), np.reshape(self.first_slot, (-1, 1))
+        return (first <= slots) & (slots < self.intervals_left[:, None])
 
     def energy_cost(self, power_kw: Floats) -> float:
         """What the energy of a schedule (vehicles, slots) costs, $."""
@@ -114,32 +118,45 @@ def problem_of(snapshot: Snapshot) -> Problem:
         chargers=snapshot.chargers,
         rows=_rows_no_tighter_than(snapshot.rows, tail.sum(axis=0)),
         tail_kw=np.vstack([tail, np.zeros((len(newcomers), snapshot.n_slots))]),
+        first_slot=_first_slots(snapshot, requests),
     )
 
 
-def contracts_problem(snapshot: Snapshot) -> Problem:
+def contracts_problem(
+    snapshot: Snapshot, owed_kwh: Floats | None = None, n_firm: int | None = None
+) -> Problem:
     """The arrays of the contracts alone, under the snapshot's limits as they are.
 
     Unlike `problem_of` nothing is taken from the tail, which these limits may have undone.
+    `owed_kwh` (contracts,) is what is to be delivered, if not what is owed by the terms in
+    force; the first `n_firm`, if not all, are those whose drivers did not change their terms.
     """
     requests = [contract.request for contract in snapshot.contracts]
-    owed = np.array([contract.owed_kwh for contract in snapshot.contracts])
+    if owed_kwh is None:
+        owed_kwh = np.array([contract.owed_kwh for contract in snapshot.contracts])
     ends = np.array([r.deadline_interval for r in requests], dtype=np.int64)
     rows = snapshot.rows
     return Problem(
         vehicles=tuple(r.vehicle for r in requests),
-        n_contracts=len(requests),
-        owed_kwh=owed,
+        n_contracts=len(requests) if n_firm is None else n_firm,
+        owed_kwh=owed_kwh,
         intervals_left=np.maximum(0, ends - snapshot.now),
-        low_kw=np.minimum([r.min_kw for r in requests], owed / snapshot.interval_hours),
+        low_kw=np.minimum([r.min_kw for r in requests], owed_kwh / snapshot.interval_hours),
         high_kw=np.array([r.max_kw for r in requests], dtype=float),
-        revenue=np.zeros(len(requests)),
+        revenue=owed_kwh * [r.price_per_kwh for r in requests],
         price_per_kwh=snapshot.price_per_kwh,
         interval_hours=snapshot.interval_hours,
         chargers=snapshot.chargers,
         rows=LimitRows(rows.elements, rows.coefficient, np.maximum(0.0, rows.limit_kw)),
         tail_kw=snapshot.tail_kw,
+        first_slot=_first_slots(snapshot, requests),
     )
+
+
+def _first_slots(snapshot: Snapshot, requests: Sequence[Request]) -> Ints:
+    """The slots from which vehicles are there, (vehicles,)."""
+    begins = np.array([r.arrival_interval for r in requests], dtype=np.int64)
+    return np.maximum(0, begins - snapshot.now)
 
 
 def candidates(snapshot: Snapshot) -> tuple[Request, ...]:

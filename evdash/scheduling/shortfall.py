@@ -1,4 +1,12 @@
-"""What contracts would miss at the least, if limits are lowered under them."""
+"""What contracts would miss at the least, if limits are lowered under them: recourse.
+
+The least is taken in this order, each as far as those before it allow: energy missing, kWh;
+vehicles short; what those give up who changed their own terms, kWh; money, $. Never is a limit
+of the feeder, a charger or a window given up for it.
+"""
+
+import time
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pulp
@@ -8,11 +16,88 @@ from evdash.domain.plan import Snapshot
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH
 from evdash.errors import ImpossibleCommitments, Shortfall, SolverFailure
 from evdash.scheduling.clean import cleaned
-from evdash.scheduling.equations import LEAST_SHORTFALL, build
-from evdash.scheduling.problem import contracts_problem
-from evdash.scheduling.reference import minimise_with_highs, power_of, values
+from evdash.scheduling.equations import RECOURSE, RECOURSE_OBJECTIVES, Equation, Model, build
+from evdash.scheduling.equations import least_given_up as most_granted
+from evdash.scheduling.problem import Problem, contracts_problem
+from evdash.scheduling.reference import minimise_with_highs, power_of
 
 SECONDS = 20.0
+HAIR = 1e-6
+"""How far above its least an objective may end for the sake of those after it, kWh or count."""
+NOTICED_KWH = 10 * ENERGY_TOLERANCE_KWH
+"""Shortfall below this is the solver's tolerance and none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recourse:
+    """A schedule (vehicles, slots) in kW, what each vehicle misses under it, (vehicles,) in kWh.
+
+    `proven` says whether no schedule misses less energy.
+    """
+
+    power_kw: Floats
+    short_kwh: Floats
+    proven: bool = True
+
+
+def least_shortfall(problem: Problem, seconds: float = SECONDS) -> Recourse:
+    """The schedule that misses least, by all objectives in their order.
+
+    Raises SolverFailure if none was found in time.
+    """
+    ends = time.perf_counter() + seconds
+    model = build(problem, RECOURSE, "recourse")
+    proven, power = False, problem.tail_kw
+    for objective in RECOURSE_OBJECTIVES:
+        if objective is not RECOURSE_OBJECTIVES[0] and _nothing_missing(problem, power):
+            break
+        try:
+            least = _minimised(model, objective, max(0.5, ends - time.perf_counter()))
+        except SolverFailure:
+            if objective is RECOURSE_OBJECTIVES[0]:
+                raise
+            break  # what was found by the objectives before it stands
+        if objective is RECOURSE_OBJECTIVES[0]:
+            proven = model.lp.sol_status == pulp.LpSolutionOptimal
+        power = power_of(model)
+        model.lp += model.lp.objective <= least + HAIR, f"least_{objective.__name__}"
+    return _settled(problem, power, proven)
+
+
+def _minimised(model: Model, objective: Equation, seconds: float) -> float:
+    """The least value of an objective within what is held already."""
+    objective(model)
+    minimise_with_highs(model, seconds, absolute_gap=0.0)
+    return float(pulp.value(model.lp.objective) or 0.0)
+
+
+def _nothing_missing(problem: Problem, power_kw: Floats) -> bool:
+    delivered = power_kw.sum(axis=1) * problem.interval_hours
+    return bool((problem.owed_kwh - delivered <= NOTICED_KWH).all())
+
+
+def _settled(problem: Problem, power_kw: Floats, proven: bool) -> Recourse:
+    """Power exact within bounds for what each vehicle gets, and what it does not get."""
+    delivered = power_kw.sum(axis=1) * problem.interval_hours
+    gets = np.where(problem.owed_kwh - delivered <= NOTICED_KWH, problem.owed_kwh, delivered)
+    gets = np.where(gets <= NOTICED_KWH, 0.0, gets)
+    everyone = np.ones(problem.n_vehicles, dtype=bool)
+    power_kw = cleaned(replace(problem, owed_kwh=gets), everyone, power_kw)
+    return Recourse(power_kw, np.maximum(0.0, problem.owed_kwh - gets), proven)
+
+
+def most_energy_for(problem: Problem, extra_kwh: float, seconds: float = SECONDS) -> Recourse:
+    """As much of `extra_kwh` for the last vehicle as leaves every vehicle all the rest it is owed.
+
+    The last vehicle's energy owed includes the extra. Raises SolverFailure if there is no such
+    schedule, or none was found in time.
+    """
+    model = build(problem, RECOURSE, "extra")
+    for short in model.short_kwh:
+        short.upBound = 0.0
+    model.short_kwh[-1].upBound = extra_kwh
+    _minimised(model, most_granted, seconds)
+    return _settled(problem, power_of(model), model.lp.sol_status == pulp.LpSolutionOptimal)
 
 
 def plan_for_contracts(snapshot: Snapshot) -> Floats:
@@ -24,14 +109,12 @@ def plan_for_contracts(snapshot: Snapshot) -> Floats:
     problem = contracts_problem(snapshot)
     if problem.n_vehicles == 0:
         return problem.tail_kw
-    model = build(problem, LEAST_SHORTFALL, "least_shortfall")
-    minimise_with_highs(model, SECONDS, absolute_gap=0.0)
-    if model.lp.sol_status != pulp.LpSolutionOptimal:
+    found = least_shortfall(problem)
+    missing = np.flatnonzero(found.short_kwh > 0)
+    if len(missing) and not found.proven:
         raise SolverFailure("whether the contracts can be kept could not be decided in time")
-    short = values(model.short_kwh)
-    missing = np.flatnonzero(short > 10 * ENERGY_TOLERANCE_KWH)
     if len(missing):
         raise ImpossibleCommitments(
-            [Shortfall(problem.vehicles[n], float(short[n])) for n in missing]
+            [Shortfall(problem.vehicles[n], float(found.short_kwh[n])) for n in missing]
         )
-    return cleaned(problem, np.ones(problem.n_vehicles, dtype=bool), power_of(model))
+    return found.power_kw

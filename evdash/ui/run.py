@@ -10,6 +10,7 @@ from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, ImpossibleCommitments, InputError, Shortfall, SolverFailure
 from evdash.files.overrides import edit_scenario
 from evdash.horizon.day import start_day, step
+from evdash.horizon.happen import undone
 from evdash.horizon.revise import revise
 
 
@@ -54,9 +55,7 @@ def stepped_back(run: Run) -> Run:
     """Before the last step, with the inputs it was decided under; later edits are undone."""
     if not run.trace.steps:
         return run
-    last = run.trace.steps[-1]
-    earlier = Trace(inputs=last.inputs, state=last.before, steps=run.trace.steps[:-1])
-    return replace(run, trace=earlier, answer=None)
+    return replace(run, trace=undone(run.trace), answer=None)
 
 
 def restarted(run: Run) -> Run:

@@ -21,8 +21,9 @@ class Charges:
     `owed_kw` s: energy owed, kW·slots. `top_kw` p: the most it can take in a slot,
     min(high, s). `fewest` m = ⌈s/p⌉: the fewest slots. `rest_kw` r = s − (m − 1)·p: what the
     last of the fewest slots holds. `least_kw` max(r, low): with j < m slots elsewhere, the
-    slots left hold at least this for each of the m − j missing. `slots` L: length of the
-    window. `servable`: whether any number of slots within the window can hold the charge.
+    slots left hold at least this for each of the m − j missing. `slots` L: where the
+    window ends, and its length but for who is late. `servable`: whether any number of slots
+    within the window can hold the charge.
     """
 
     owed_kw: Floats
@@ -40,6 +41,7 @@ def charges_of(problem: Problem) -> Charges:
     s, low = problem.owed_kwh / problem.interval_hours, problem.low_kw
     p = np.minimum(problem.high_kw, s)
     slots = np.minimum(problem.intervals_left, problem.n_slots)
+    there = slots - problem.first_slot
     per_slot = np.where(p > 0, p, 1.0)
     m = np.maximum(1, np.ceil(s / per_slot - WHOLE)).astype(np.int64)
     r = np.clip(s - (m - 1) * p, 0.0, p)
@@ -51,5 +53,5 @@ def charges_of(problem: Problem) -> Charges:
         rest_kw=r,
         least_kw=np.maximum(r, low),
         slots=slots,
-        servable=(m <= slots) & (m * low <= s + WHOLE) & (s <= m * p + WHOLE),
+        servable=(m <= there) & (m * low <= s + WHOLE) & (s <= m * p + WHOLE),
     )

@@ -38,7 +38,7 @@ class Columns:
 
 def columns_of(problem: Problem, charges: Charges, charger_slots: Bools) -> Columns:
     """Which variables there are."""
-    vehicle, slot = np.nonzero(np.arange(problem.n_slots) < charges.slots[:, None])
+    vehicle, slot = np.nonzero(problem.window)
     with_d = charger_slots[slot]
     d = np.where(with_d, len(vehicle) + np.cumsum(with_d) - 1, -1)
     u = len(vehicle) + int(with_d.sum()) + np.arange(problem.n_vehicles)

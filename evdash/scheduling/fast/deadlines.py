@@ -14,8 +14,8 @@ def energy_by_deadlines(
 ) -> None:
     """Σ_n max(0, s − p·(L − τ)⁺)·u ≤ headroom summed before τ, for each deadline τ.
 
-    What cannot be charged after τ must be charged before. Implied by the LP, but whole u's
-    make covers of it, and those are found in one row.
+    What cannot be charged after τ must be charged before, the more so by who is late.
+    Implied by the LP, but whole u's make covers of it, and those are found in one row.
     """
     deadlines = np.unique(charges.slots[charges.slots > 0])
     after = np.maximum(0, charges.slots - deadlines[:, None])

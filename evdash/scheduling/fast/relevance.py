@@ -10,13 +10,11 @@ from evdash.scheduling.problem import Bools, Problem
 def charger_slots(problem: Problem, charges: Charges, headroom_kw: Floats) -> Bools:
     """Slots in which more vehicles could run than chargers exist, shape (slots,).
 
-    Every window starts now, so a slot has as many open windows as there are vehicles with
-    L_n > t. And however many are open: one more than chargers, each at its lowest power,
-    must fit under the headroom.
+    A slot has as many open windows as there are vehicles with L_n > t, less who is late. And
+    however many are open: one more than chargers, each at its lowest power, must fit under the
+    headroom.
     """
-    open_windows = (charges.slots[:, None] > np.arange(problem.n_slots)) & (
-        charges.servable[:, None]
-    )
+    open_windows = problem.window & charges.servable[:, None]
     crowd = problem.chargers + 1
     if len(charges.slots) < crowd:
         return np.zeros(problem.n_slots, dtype=bool)

@@ -1,0 +1,143 @@
+"""What a row of `events.csv` must agree on: with its own kind and with the rest."""
+
+from collections.abc import Iterator
+
+from evdash.domain.events import EVENT_FORMS, Event, EventForm
+from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.files.checks import Check, Place, Problem
+
+MOST_CHARGERS = 100_000
+
+
+def event_cells(scenario: Scenario) -> Iterator[Problem]:
+    """Each row has the cells its kind asks for, and no others."""
+    for i, event in enumerate(scenario.events):
+        form = EVENT_FORMS[event.event]
+        for column, needed, may_have in _cells(form):
+            given = getattr(event, column) is not None
+            place: tuple[Place, ...] = (("events", i, column), ("events", i, "event"))
+            if needed and not given:
+                meaning = _meaning(column, form)
+                yield Problem(place, "a blank", f"{event.event} needs {meaning}")
+            elif given and not may_have:
+                shown = f"{getattr(event, column)}"
+                yield Problem(place, shown, f"should be blank for {event.event}")
+
+
+def _cells(form: EventForm) -> Iterator[tuple[str, bool, bool]]:
+    """(column, whether it must be given, whether it may be)."""
+    yield "subject", bool(form.subject), bool(form.subject)
+    yield "value", bool(form.value), bool(form.value)
+    for column in ("from_interval", "until_interval"):
+        may_have = column in form.span
+        yield column, may_have and form.span_required, may_have
+
+
+def _meaning(column: str, form: EventForm) -> str:
+    if column == "subject":
+        return "the name of a vehicle" if form.subject == "vehicle" else "line:… or node:…"
+    return f"a number ({form.value})" if column == "value" else "an interval"
+
+
+def event_values(scenario: Scenario) -> Iterator[Problem]:
+    """The value lies within what its kind allows."""
+    for i, event in enumerate(scenario.events):
+        form, value = EVENT_FORMS[event.event], event.value
+        if not form.value or value is None:
+            continue
+        place: tuple[Place, ...] = (("events", i, "value"), ("events", i, "event"))
+        if form.whole and value != int(value):
+            yield Problem(place, f"{value:g}", f"should be a whole number ({form.value})")
+        elif not form.least <= value <= form.most:
+            rule = f"should be from {form.least:g} to {form.most:g} ({form.value})"
+            yield Problem(place, f"{value:g}", rule)
+
+
+def event_times(scenario: Scenario) -> Iterator[Problem]:
+    """Nothing is known too late, and nothing bears on what is already past."""
+    for i, event in enumerate(scenario.events):
+        row: Place = ("events", i)
+        at: Place = (*row, "interval")
+        if event.interval >= scenario.intervals:
+            rule = f"should be below the number of intervals, {scenario.intervals}"
+            yield Problem((at, ("intervals",)), f"{event.interval}", rule)
+            continue
+        first = event.interval
+        if event.from_interval is not None:
+            place: Place = (*row, "from_interval")
+            if not first <= event.from_interval < scenario.intervals:
+                rule = f"should be from {first}, when it is known, to {scenario.intervals - 1}"
+                yield Problem((place, at, ("intervals",)), f"{event.from_interval}", rule)
+                continue
+            first = event.from_interval
+        if event.until_interval is not None:
+            # who leaves may leave at once; a span holds at least one interval
+            least = first if event.event == "leaves_early" else first + 1
+            if not least <= event.until_interval <= scenario.intervals:
+                place = (*row, "until_interval")
+                drawn_on: tuple[Place, ...] = (at, (*row, "from_interval"), ("intervals",))
+                rule = f"should be from {least} to {scenario.intervals}"
+                yield Problem((place, *drawn_on), f"{event.until_interval}", rule)
+
+
+def event_subjects(scenario: Scenario) -> Iterator[Problem]:
+    """The element or vehicle is one of the scenario's."""
+    elements = known_elements(scenario)
+    named: tuple[Place, ...] = tuple(
+        ("lines", row, end)
+        for row in range(len(scenario.lines))
+        for end in ("from_node", "to_node")
+    ) + tuple(("nodes", row, "node") for row in range(len(scenario.nodes)))
+    known = scenario.arrivals
+    vehicles = (
+        {arrival.vehicle for arrival in known.vehicles}
+        if isinstance(known, RecordedArrivals)
+        else None
+    )
+    for i, event in enumerate(scenario.events):
+        kind = EVENT_FORMS[event.event].subject
+        place: tuple[Place, ...] = (("events", i, "subject"), ("events", i, "event"))
+        if event.subject is None:
+            continue
+        if kind == "element" and event.subject not in elements:
+            rule = "should be line:FROM-TO or node:NAME as in lines.csv and nodes.csv"
+            yield Problem((*place, *named), repr(event.subject), rule)
+        if kind == "vehicle" and vehicles is not None and event.subject not in vehicles:
+            rule = "should be a vehicle of arrivals.csv"
+            yield Problem((*place, ("arrivals", "vehicles")), repr(event.subject), rule)
+
+
+def known_elements(scenario: Scenario) -> tuple[str, ...]:
+    """What can be rated: every line and every node but the source, as limits are named."""
+    source = scenario.feeder.source_node
+    nodes = tuple(f"node:{node.node}" for node in scenario.nodes if node.node != source)
+    return (*(f"line:{line.name}" for line in scenario.lines), *nodes)
+
+
+def event_chargers(scenario: Scenario) -> Iterator[Problem]:
+    """No more chargers fail than work."""
+    working = float(scenario.station.chargers)
+    for i, event in sorted(enumerate(scenario.events), key=lambda one: one[1].interval):
+        working = chargers_after(event, working)
+        if not 0 <= working <= MOST_CHARGERS:
+            yield Problem(
+                (("events", i, "value"), ("events", i, "event"), ("station", "chargers")),
+                f"{event.amount:g}",
+                f"would leave {working:g} chargers; should leave 0 to {MOST_CHARGERS:,}",
+            )
+            return
+
+
+def chargers_after(event: Event, working: float) -> float:
+    """Chargers that work after an event, where so many worked before it."""
+    change = {"chargers_fail": -event.amount, "chargers_return": event.amount}
+    return event.amount if event.event == "chargers" else working + change.get(event.event, 0.0)
+
+
+EVENT_CHECKS: tuple[Check, ...] = (
+    event_cells,
+    event_values,
+    event_times,
+    event_subjects,
+    event_chargers,
+)
