@@ -12,7 +12,9 @@ from pydantic.fields import FieldInfo
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from evdash.domain.scenario import (  # noqa: E402 - the path above makes it importable
+from evdash.domain.events import EVENT_FORMS, Event  # noqa: E402 - the path above makes it so
+from evdash.domain.fields import LARGE  # noqa: E402
+from evdash.domain.scenario import (  # noqa: E402
     Arrival,
     Feeder,
     FleetModel,
@@ -67,7 +69,20 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         Arrival,
     ),
     ("`fleet.csv`", "", FleetModel),
+    (
+        "`events.csv`",
+        "Optional: what happens on the way. An event is known at the start of its interval and "
+        "never before; from then on the inputs in force are others. Events of one interval count "
+        "together. [reliability.md](reliability.md) says how promises fare.",
+        Event,
+    ),
 )
+EVENTS_TOLD = """\
+A vehicle's events concern its contract while that is open: on one who has not come yet, was
+refused, or has got all its energy, they have no effect. What a driver gives up by leaving early,
+being late or staying away is `released` and not a broken promise, and costs nobody else anything.
+More energy is granted as far as every promise leaves room and the battery can take it.
+"""
 RUN_INTRODUCTION = """\
 # What a run writes
 
@@ -105,7 +120,22 @@ def section(record: type[BaseModel]) -> str:
     return "\n".join(lines)
 
 
-TABLES_OF_SCENARIO = ("option", "nodes", "lines", "profile")
+def event_kinds() -> str:
+    """What each kind of event means and which cells its row has."""
+    lines = [
+        "| event | meaning | subject | value | from_interval, until_interval |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    for kind, form in EVENT_FORMS.items():
+        upper = f" to {form.most:,.10g}" if form.most < LARGE else ""
+        value = f"{form.value}, {form.least:,.10g}{upper}" if form.value and upper else form.value
+        need = "" if form.span_required else " may be given"
+        span = " and ".join(f"`{edge}`" for edge in form.span) + (need if form.span else "")
+        lines.append(f"| `{kind}` | {form.meaning} | {form.subject} | {value} | {span} |")
+    return "\n".join(lines)
+
+
+TABLES_OF_SCENARIO = ("option", "nodes", "lines", "profile", "events")
 
 
 def document() -> str:
@@ -116,6 +146,8 @@ def document() -> str:
         if told:
             parts.append(told + "\n")
         parts.append(section(record) + "\n")
+    parts.append(event_kinds() + "\n")
+    parts.append(EVENTS_TOLD)
     parts.append(RUN_INTRODUCTION)
     for title, record in RUN_TABLES.items():
         parts.append(f"## `{title}`\n\n{section(record)}\n")

@@ -5,8 +5,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from evdash.audit.events import CUTS, events_of, is_there
 from evdash.audit.record import RunRecord
 from evdash.checker.contracts import Promise
+from evdash.domain.events import Event
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Arrival, RecordedArrivals
 from evdash.files.run_tables import VehicleRow
@@ -55,27 +57,40 @@ def _vehicle_findings(run: RunRecord, arrival: Arrival, row: VehicleRow) -> Iter
             yield f"{name}: {told} is {value:g}, worked out again {right:g}"
     if row.option != arrival.option:
         yield f"{name}: option is {row.option}, arrivals.csv says {arrival.option}"
-    yield from _fate_findings(row, need, delivered, option.price_per_kwh)
-    promise = Promise(name, first, deadline, need, scenario.station.min_kw, max_kw)
-    yield from _power_findings(run, promise, power)
+    own = events_of(scenario, name)
+    yield from _fate_findings(row, own, need, delivered, option.price_per_kwh)
+    # what is still owed at any time is at least what was still to come
+    owed = delivered if row.status in ("broken", "released") or own else need
+    promise = Promise(name, first, deadline, owed, scenario.station.min_kw, max_kw)
+    yield from _power_findings(run, promise, power, own)
 
 
-def _fate_findings(row: VehicleRow, need: float, delivered: float, price: float) -> Iterator[str]:
+def _fate_findings(
+    row: VehicleRow, own: list[Event], need: float, delivered: float, price: float
+) -> Iterator[str]:
     name = row.vehicle
-    due = {"refused": 0.0, "broken": price * delivered}.get(row.status, price * need)
+    asked = sum(event.value or 0.0 for event in own if event.event == "asks_more")
+    by_what_it_got = row.status in ("broken", "released") or (asked and row.status == "charged")
+    due = price * (delivered if by_what_it_got else need)
+    due = 0.0 if row.status == "refused" else due
     if abs(row.revenue - due) > MONEY:
         yield f"{name}: revenue is {row.revenue:g} $, worked out again {due:g} $"
     if row.status == "refused" and delivered > ENERGY_KWH:
         yield f"{name}: refused, yet charged {delivered:g} kWh"
-    if row.status != "refused" and need - delivered > KEPT_KWH:
+    cut = any(event.event in CUTS for event in own)
+    if row.status == "released" and not cut:
+        yield f"{name}: told to have given up a part, yet its driver changed nothing"
+    elif row.status not in ("refused", "released") and need - delivered > KEPT_KWH:
         yield f"{name}: promised {need:.3f} kWh, got {delivered:.3f} kWh: a broken promise"
-    if row.status == "broken" and need - delivered <= KEPT_KWH:
+    if row.status == "broken" and not asked and need - delivered <= KEPT_KWH:
         yield f"{name}: told to be broken, yet it got its {need:.3f} kWh"
-    if delivered - need > KEPT_KWH:
-        yield f"{name}: asked for {need:.3f} kWh, got {delivered:.3f} kWh"
+    if delivered - need - asked > KEPT_KWH:
+        yield f"{name}: asked for {need + asked:.3f} kWh, got {delivered:.3f} kWh"
 
 
-def _power_findings(run: RunRecord, promise: Promise, power: Floats) -> Iterator[str]:
+def _power_findings(
+    run: RunRecord, promise: Promise, power: Floats, own: list[Event]
+) -> Iterator[str]:
     name, hours = promise.vehicle, run.scenario.interval_minutes / 60
     owed = promise.owed_kwh
     for interval in np.flatnonzero(power):
@@ -84,6 +99,8 @@ def _power_findings(run: RunRecord, promise: Promise, power: Floats) -> Iterator
         lowest = min(promise.min_kw, owed / hours)
         if not promise.first <= interval < promise.deadline:
             yield f"{name}: charges at {clock}, outside its promised time"
+        if not is_there(own, int(interval)):
+            yield f"{name}: charges at {clock}, when it is away"
         if drawn > promise.max_kw + POWER_KW:
             yield f"{name}: {drawn:.3f} kW at {clock}, above its {promise.max_kw:g} kW"
         if drawn < lowest - POWER_KW:

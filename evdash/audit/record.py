@@ -6,6 +6,7 @@ from typing import cast, get_args
 
 import numpy as np
 
+from evdash.audit.events import as_it_turned_out
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import RecordedArrivals, Scenario
 from evdash.domain.trace import Network
@@ -14,6 +15,7 @@ from evdash.files.folder import read_files
 from evdash.files.run_folder import SCENARIO, SUMMARY, read_run, scenario_hash
 from evdash.files.run_tables import (
     IntervalRow,
+    LedgerRow,
     PowerRow,
     Row,
     VehicleRow,
@@ -25,7 +27,11 @@ from evdash.files.scenario_folder import parse_scenario
 
 @dataclass(frozen=True, slots=True)
 class RunRecord:
-    """A run folder's content. `power_kw` has a row of (intervals,) for each vehicle named."""
+    """A run folder's content. `power_kw` has a row of (intervals,) for each vehicle named.
+
+    `scenario` has the loads and prices each interval really had, by its events; its chargers
+    and ratings are those of the beginning.
+    """
 
     scenario: Scenario
     scenario_hash: str
@@ -33,6 +39,7 @@ class RunRecord:
     summary: dict[str, object]
     intervals: list[IntervalRow]
     vehicles: list[VehicleRow]
+    ledger: list[LedgerRow]
     voltages: list[VoltageRow]
     power_kw: dict[str, Floats]
 
@@ -71,16 +78,20 @@ def read_record(directory: Path) -> RunRecord:
     intervals = rows("intervals.csv", IntervalRow)
     vehicles = rows("vehicles.csv", VehicleRow)
     voltages = rows("voltages.csv", VoltageRow)
+    # runs of versions without events have none
+    told = "ledger.csv" in files or bool(scenario.events)
+    ledger = rows("ledger.csv", LedgerRow) if told else []
     power = rows("power.csv", PowerRow)
     if faults:
         raise InputError(faults)
     return RunRecord(
-        scenario=scenario,
+        scenario=as_it_turned_out(scenario),
         scenario_hash=scenario_hash(scenario_bytes),
         network=cast(Network, network),
         summary=summary,
         intervals=intervals,
         vehicles=vehicles,
+        ledger=ledger,
         voltages=voltages,
         power_kw=_power(power, scenario.intervals),
     )

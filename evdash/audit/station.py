@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from evdash.audit.events import chargers_at
 from evdash.audit.record import RunRecord
 from evdash.checker.feeder import FeederCheck
 from evdash.domain.breach import Breach
@@ -42,8 +43,9 @@ def station_findings(run: RunRecord) -> Iterator[str]:
         ):
             if abs(value - right) > POWER_KW:
                 yield f"interval {t}: {told} is {value:g}, worked out again {right:g}"
-        if charging[t] > scenario.station.chargers:
-            yield f"interval {t}: {charging[t]} vehicles charge, {scenario.station.chargers} can"
+        chargers = chargers_at(scenario, t)
+        if charging[t] > chargers:
+            yield f"interval {t}: {charging[t]} vehicles charge, {chargers} can"
         if row.start != scenario.time_of(t):
             yield f"interval {t}: starts {row.start}, worked out again {scenario.time_of(t)}"
         yield from _proof_findings(t, row)

@@ -11,6 +11,7 @@ from evdash.domain.breach import Breach
 from evdash.domain.trace import Trace
 from evdash.explain.refusals import Explanation
 from evdash.files.run_export import RunLabel, Verdict
+from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.records import IntervalRecord, interval_records, vehicle_records
 from evdash.metrics.totals import Totals, totals
 
@@ -31,7 +32,8 @@ def print_report(trace: Trace, verdict: Verdict, label: RunLabel, out: Path | No
         console.print(_hourly(interval_records(trace)))
     console.print(_totals(trace, day, label))
     _print_reasons(console, trace)
-    _print_verdict(console, trace, verdict, day)
+    _print_happenings(console, trace)
+    _print_verdict(console, trace, verdict)
     if out is not None:
         console.print(f"written to {escape(str(out))}", soft_wrap=True)
 
@@ -81,6 +83,7 @@ def _totals(trace: Trace, day: Totals, label: RunLabel) -> Table:
         ("admitted", f"{day.admitted}{share}"),
         ("refused", f"{day.refused}"),
         ("contracts kept", f"{day.charged} of {day.admitted}"),
+        *([("cut short by drivers", f"{day.released}")] if day.released else []),
         ("energy delivered", f"{day.energy_delivered_kwh:,.1f} kWh"),
         ("highest station power", f"{day.peak_station_kw:.1f} kW"),
         ("revenue", f"$ {day.revenue:,.2f}"),
@@ -110,11 +113,40 @@ def _print_reasons(console: Console, trace: Trace) -> None:
         console.print(f"  {count:>4} refused: {escape(reason)}", soft_wrap=True)
 
 
-def _print_verdict(console: Console, trace: Trace, verdict: Verdict, day: Totals) -> None:
-    if day.broken:
-        names = [r.vehicle for r in vehicle_records(trace) if r.status == "broken"]
-        told = ", ".join(names[:SHOWN]) + (" …" if len(names) > SHOWN else "")
-        console.print(f"[bold red]{day.broken} contracts broken:[/] {escape(told)}")
+def _print_happenings(console: Console, trace: Trace) -> None:
+    """What happened on the way, and what it changed."""
+    for happening in trace.happenings:
+        clock = f"{trace.scenario.time_of(happening.interval):%H:%M}"
+        told = "; ".join(event.text for event in happening.events)
+        console.print(f"  {clock} {escape(told)}", soft_wrap=True)
+        if happening.short_kwh:
+            short = [revision for revision in happening.revisions if revision.short_kwh > 0]
+            console.print(
+                f"        [red]{happening.short_kwh:.1f} kWh promised to {len(short)} vehicles "
+                "cannot be delivered in time[/]",
+                soft_wrap=True,
+            )
+        if happening.note:
+            console.print(f"        {escape(happening.note)}", soft_wrap=True)
+
+
+def ledger_line(trace: Trace, entry: LedgerEntry) -> str:
+    """A contract that is short, in a sentence."""
+    told = (
+        f"{entry.vehicle} got {entry.delivered_kwh:.2f} of {entry.revised_kwh:.2f} kWh promised, "
+        f"{entry.short_kwh:.2f} kWh short"
+    )
+    if entry.since_interval is None:
+        return told
+    return (
+        f"{told}; known since {trace.scenario.time_of(entry.since_interval):%H:%M}: {entry.cause}"
+    )
+
+
+def _print_verdict(console: Console, trace: Trace, verdict: Verdict) -> None:
+    for entry in ledger(trace):
+        if entry.status == "short":
+            console.print(f"[bold red]broken:[/] {escape(ledger_line(trace, entry))}")
     groups = (
         ("red", "broken by the station, linearised model", verdict.linear, True),
         ("red", "broken by the station in AC", verdict.ac, True),

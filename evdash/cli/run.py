@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from evdash.checker.feeder import FeederCheck
 from evdash.cli.report import print_explanations, print_report
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Scenario
@@ -20,7 +19,7 @@ from evdash.files.run_export import RunLabel, judge, run_files
 from evdash.files.run_folder import check_target, write_run
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day
-from evdash.metrics.records import executed_station_kw
+from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
 
@@ -38,8 +37,7 @@ def run(options: argparse.Namespace) -> int:
         settings += (Setting("arrivals.seed", options.seed),)
     scenario = read_scenario(options.scenario or DEFAULT, settings)
     trace = _with_progress(scenario, options.network, POLICIES[options.policy]())
-    breaches = FeederCheck(scenario).breaches(executed_station_kw(trace))
-    verdict = judge(trace, breaches)
+    verdict = judge(trace, linear_breaches(trace))
     label = RunLabel(
         policy=options.policy,
         network=options.network,

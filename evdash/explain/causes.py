@@ -22,6 +22,7 @@ CauseKind = Literal[
     "headroom or chargers",
     "headroom and chargers",
     "time",
+    "promises short",
     "not P1",
     "not known",
 ]

@@ -108,6 +108,13 @@ def _time(trials: Trials, cause: Cause) -> str:
     )
 
 
+def _promises_short(_: Trials, __: Cause) -> str:
+    return (
+        "something happened by which promises already made cannot all be kept; until that is "
+        "over nobody new is admitted"
+    )
+
+
 def _not_p1(trials: Trials, _: Cause) -> str:
     return "the plan in force was not made by P1, which would have admitted it"
 
@@ -133,6 +140,7 @@ _TELLING: Mapping[CauseKind, Callable[[Trials, Cause], str]] = {
     "headroom or chargers": _either,
     "headroom and chargers": _both,
     "time": _time,
+    "promises short": _promises_short,
     "not P1": _not_p1,
     "not known": _not_known,
 }

@@ -18,7 +18,7 @@ from evdash.explain.remedies import NoRemedy, Remedy, later_return, remedies_of
 from evdash.explain.remedies_told import remedies_told
 from evdash.explain.terms import other_terms
 from evdash.explain.trials import Plans, Trials
-from evdash.horizon.advance import snapshot_of
+from evdash.horizon.advance import PROMISES_SHORT, snapshot_of
 from evdash.scheduling.p1 import p1_policy
 
 
@@ -102,6 +102,8 @@ def trials_of(
 
 def _explained(trials: Trials) -> Explanation:
     try:
+        if trials.request.refusal == PROMISES_SHORT:
+            return _worded(trials, Cause("promises short"), ())
         door = kind_at_the_door(trials)
         if door is not None:
             return _worded(trials, Cause(door), _remedies_at_the_door(trials, door))

@@ -14,10 +14,12 @@ from evdash.domain.trace import Network, Trace
 from evdash.files.run_folder import RUN_FORMAT, SCENARIO, SUMMARY, scenario_hash
 from evdash.files.run_tables import (
     IntervalRow,
+    LedgerRow,
     PowerRow,
     VehicleRow,
     VoltageRow,
     interval_rows,
+    ledger_rows,
     power_rows,
     table_text,
     vehicle_rows,
@@ -27,6 +29,7 @@ from evdash.grid.acbreaches import ac_breaches
 from evdash.grid.acflow import AcResult, ac_flow
 from evdash.grid.lindistflow import voltage_pu
 from evdash.grid.radial import radial_feeder
+from evdash.metrics.breaches import in_force_only
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.totals import Totals, totals
 
@@ -79,7 +82,7 @@ def judge(trace: Trace, linear: Sequence[Breach]) -> Verdict:
     base = ac_flow(scenario, np.zeros(len(station_kw)))
     return Verdict(
         linear=tuple(linear),
-        ac=ac_breaches(scenario, executed, base),
+        ac=in_force_only(trace, lambda scenario: ac_breaches(scenario, executed, base)),
         flow=executed,
         voltage_pu=voltage_pu(scenario, radial_feeder(scenario), station_kw),
     )
@@ -87,7 +90,7 @@ def judge(trace: Trace, linear: Sequence[Breach]) -> Verdict:
 
 def run_files(trace: Trace, verdict: Verdict, label: RunLabel) -> dict[str, str]:
     """Every file of a run folder, path to text."""
-    scenario = scenario_files(resolved(trace.scenario, trace.inputs.arrivals))
+    scenario = scenario_files(resolved(trace.inputs.given, trace.inputs.arrivals))
     digest = scenario_hash({name: text.encode() for name, text in scenario.items()})
     summary = summary_of(totals(trace), verdict, label) | {
         "scenario": trace.scenario.name,
@@ -99,6 +102,7 @@ def run_files(trace: Trace, verdict: Verdict, label: RunLabel) -> dict[str, str]
     return {
         "intervals.csv": table_text(IntervalRow, interval_rows(trace)),
         "vehicles.csv": table_text(VehicleRow, vehicle_rows(trace)),
+        "ledger.csv": table_text(LedgerRow, ledger_rows(trace)),
         "power.csv": table_text(PowerRow, power_rows(trace)),
         "voltages.csv": table_text(VoltageRow, voltage_rows(verdict)),
         SUMMARY: json.dumps(summary, indent=2, ensure_ascii=False) + "\n",

@@ -17,6 +17,7 @@ from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.files.tables import read_table, write_table
 from evdash.files.wording import allowed, found
+from evdash.metrics.ledger import ledger
 from evdash.metrics.records import executed_power, interval_records, vehicle_records
 
 
@@ -49,11 +50,30 @@ class VehicleRow(Record):
     arrival_interval: int = declare("First interval in which it may charge", "", 0, ge=0)
     need_kwh: float = declare("Energy asked for, grid side", "kWh", 10.0, ge=0)
     deadline_interval: int = declare("First interval in which it may no longer charge", "", 1)
-    status: Literal["charged", "refused", "broken", "charging"] = declare("Fate", "", "charged")
+    status: Literal["charged", "refused", "broken", "charging", "released"] = declare(
+        "Fate", "", "charged"
+    )
     reason: str = declare("Why it was refused", "", "")
     delivered_kwh: float = declare("Energy delivered, grid side", "kWh", 10.0, ge=0)
     completed_interval: OptionalCount = declare_optional("Interval that completed it", "")
     revenue: float = declare("What it pays", "$", 3.5)
+
+
+class LedgerRow(Record):
+    """A row of `ledger.csv`: what became of one contract."""
+
+    vehicle: str = declare("Name of the vehicle", "", "PEV-001")
+    option: str = declare("Price option", "", "C1")
+    promised_kwh: float = declare("Energy promised, grid side", "kWh", 10.0, ge=0)
+    promised_by_interval: int = declare("First interval that is too late for it", "", 1)
+    revised_kwh: float = declare("The promise as last agreed with its driver", "kWh", 10.0, ge=0)
+    revised_by_interval: int = declare("Its time as last agreed", "", 1)
+    delivered_kwh: float = declare("Energy delivered, grid side", "kWh", 10.0, ge=0)
+    short_kwh: float = declare("Missing of what was last agreed", "kWh", 0.0, ge=0)
+    released_kwh: float = declare("Given up by its driver", "kWh", 0.0, ge=0)
+    status: Literal["open", "kept", "short", "released"] = declare("What became of it", "", "kept")
+    since_interval: OptionalCount = declare_optional("Interval in which that became known", "")
+    cause: str = declare("What happened that changed it", "", "")
 
 
 class PowerRow(Record):
@@ -76,6 +96,7 @@ class VoltageRow(Record):
 RUN_TABLES: Mapping[str, type[Record]] = {
     "intervals.csv": IntervalRow,
     "vehicles.csv": VehicleRow,
+    "ledger.csv": LedgerRow,
     "power.csv": PowerRow,
     "voltages.csv": VoltageRow,
 }
@@ -107,6 +128,15 @@ def vehicle_rows(trace: Trace) -> list[VehicleRow]:
             revenue=record.revenue,
         )
         for record in vehicle_records(trace)
+    ]
+
+
+def ledger_rows(trace: Trace) -> list[LedgerRow]:
+    """`ledger.csv` of a trace."""
+    names = LedgerRow.model_fields
+    return [
+        LedgerRow.model_construct(**{name: getattr(entry, name) for name in names})
+        for entry in ledger(trace)
     ]
 
 

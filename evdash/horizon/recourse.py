@@ -120,7 +120,11 @@ def settle(inputs: Inputs, state: State, events: Sequence[Event]) -> Settled:
     check = limit_check(inputs)
     own = np.array([new != old for new, old in zip(terms.contracts, before, strict=True)], bool)
     terms, notes = _rescheduled(terms, own, check)
+    names = {contract.vehicle for contract in before}
     for event in events:
+        if event.vehicle and event.vehicle not in names:
+            notes = (*notes, f"{event.vehicle} has no contract that is open: nothing changes")
+            continue
         if event.event == "asks_more":
             terms, note = _asked_more(terms, event, check)
             notes = (*notes, *note)

@@ -9,9 +9,9 @@ import numpy as np
 
 from evdash.domain.plan import Status
 from evdash.domain.trace import Step, Trace
-from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Request
+from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Contract, Request
 
-VehicleStatus = Literal["charged", "refused", "broken", "charging"]
+VehicleStatus = Literal["charged", "refused", "broken", "charging", "released"]
 KEPT_WITHIN_KWH = 0.01
 """A contract counts as kept if what it got is within this of what it was promised."""
 
@@ -38,13 +38,18 @@ class IntervalRecord:
 
 @dataclass(frozen=True, slots=True)
 class VehicleRecord:
-    """One vehicle's fate so far. `completed_interval` is the one in which it got its last kWh."""
+    """One vehicle's fate so far. `completed_interval` is the one in which it got its last kWh.
+
+    `promised_kwh` is what its contract is for: the need, or what was agreed with its driver
+    on the way. `released`: its driver gave up a part of it, and the rest was kept.
+    """
 
     request: Request
     status: VehicleStatus
     reason: str
     delivered_kwh: float
     completed_interval: int | None
+    promised_kwh: float
 
     @property
     def vehicle(self) -> str:
@@ -52,12 +57,12 @@ class VehicleRecord:
 
     @property
     def revenue(self) -> float:
-        """What it pays, $: for all it asked, or if its contract was broken for what it got."""
+        """What it pays, $: for all it was promised, or for what it got where that was less."""
         if self.status == "refused":
             return 0.0
-        if self.status == "broken":
+        if self.status in ("broken", "released"):
             return self.request.price_per_kwh * self.delivered_kwh
-        return self.request.revenue
+        return self.request.price_per_kwh * self.promised_kwh
 
 
 def interval_record(step: Step) -> IntervalRecord:
@@ -111,26 +116,44 @@ def vehicle_records(trace: Trace) -> tuple[VehicleRecord, ...]:
     for interval, vehicle, power_kw in executed_power(trace):
         delivered[vehicle] = delivered.get(vehicle, 0.0) + power_kw * hours
         last[vehicle] = interval
+    revised = contracts_revised(trace)
     records = []
     for step in trace.steps:
         reasons = {refusal.vehicle: refusal.reason for refusal in step.plan.refused}
         for request in step.requests:
             got = delivered.get(request.vehicle, 0.0)
-            status = _status(trace, request, request.vehicle in reasons, got)
+            contract = revised.get(request.vehicle, Contract(request))
+            status: VehicleStatus = "refused"
+            if request.vehicle not in reasons:
+                status = _status(request, contract, got, trace.now)
             reason = reasons.get(request.vehicle, "")
             completed = last.get(request.vehicle) if status == "charged" else None
-            records.append(VehicleRecord(request, status, reason, got, completed))
+            promised = contract.promised_kwh
+            records.append(VehicleRecord(request, status, reason, got, completed, promised))
     if trace.is_over:
         for request in trace.inputs.requests[trace.scenario.intervals]:
-            records.append(VehicleRecord(request, "refused", request.refusal, 0.0, None))
+            refusal, need = request.refusal, request.need_kwh
+            records.append(VehicleRecord(request, "refused", refusal, 0.0, None, need))
     return tuple(records)
 
 
-def _status(trace: Trace, request: Request, refused: bool, delivered_kwh: float) -> VehicleStatus:
-    if refused:
-        return "refused"
-    if request.need_kwh - delivered_kwh <= ENERGY_TOLERANCE_KWH:
-        return "charged"
-    if request.deadline_interval > trace.now:
+def contracts_revised(trace: Trace) -> dict[str, Contract]:
+    """Contracts that something happened to, as the last happening left them, by vehicle."""
+    return {
+        revision.vehicle: revision.after
+        for happening in trace.happenings
+        for revision in happening.revisions
+    }
+
+
+def _status(request: Request, contract: Contract, delivered_kwh: float, now: int) -> VehicleStatus:
+    """`contract` holds the terms last agreed; what of them was given up, it was asked for."""
+    missing = contract.promised_kwh - delivered_kwh
+    given_up = request.need_kwh - delivered_kwh > KEPT_WITHIN_KWH
+    if missing <= ENERGY_TOLERANCE_KWH:
+        return "released" if given_up else "charged"
+    if contract.request.deadline_interval > now:
         return "charging"
-    return "charged" if request.need_kwh - delivered_kwh <= KEPT_WITHIN_KWH else "broken"
+    if missing > KEPT_WITHIN_KWH:
+        return "broken"
+    return "released" if given_up else "charged"

@@ -10,6 +10,7 @@ from evdash.metrics.records import executed_station_kw, vehicle_records
 class Totals:
     """Totals of the executed schedule; money in $, of everyone who has asked so far.
 
+    `released`: contracts of which the driver gave up a part, and the rest was kept.
     `peak_station_kw` is the highest mean of an interval.
     """
 
@@ -18,6 +19,7 @@ class Totals:
     refused: int
     charged: int
     broken: int
+    released: int
     energy_requested_kwh: float
     energy_delivered_kwh: float
     revenue: float
@@ -42,6 +44,7 @@ def totals(trace: Trace) -> Totals:
         refused=refused,
         charged=sum(record.status == "charged" for record in vehicles),
         broken=sum(record.status == "broken" for record in vehicles),
+        released=sum(record.status == "released" for record in vehicles),
         energy_requested_kwh=sum(record.request.need_kwh for record in vehicles),
         energy_delivered_kwh=float(station_kw.sum()) * hours,
         revenue=sum(record.revenue for record in vehicles),

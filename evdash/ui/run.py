@@ -4,14 +4,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from evdash.domain.events import Event
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, ImpossibleCommitments, InputError, Shortfall, SolverFailure
 from evdash.files.overrides import edit_scenario
 from evdash.horizon.day import start_day, step
-from evdash.horizon.happen import undone
+from evdash.horizon.happen import happen, undone
+from evdash.horizon.in_force import in_force
 from evdash.horizon.revise import revise
+from evdash.ui.edits import CHARGERS, edit_of, with_settings_kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,18 +62,28 @@ def stepped_back(run: Run) -> Run:
 
 
 def restarted(run: Run) -> Run:
-    """The start of the day, with the settings now in force."""
-    return replace(run, trace=start_day(run.trace.scenario, run.trace.inputs.network), answer=None)
+    """The start of the day, with the settings now in force; what happened is forgotten."""
+    scenario = with_settings_kept(run.trace, run.opened)
+    return replace(run, trace=start_day(scenario, run.trace.inputs.network), answer=None)
 
 
 def restored(run: Run) -> Run:
-    """The settings the scenario was opened with, from now on."""
-    return _revised(run, run.opened, "the preset's settings")
+    """The settings the scenario was opened with, from now on; what happened stays happened."""
+    trace, title = run.trace, "the preset's settings"
+    if not trace.steps:
+        return _revised(run, run.opened, title)
+    happened = tuple(e for e in trace.inputs.given.events if e not in run.opened.events)
+    scenario = run.opened.replacing(events=(*run.opened.events, *happened))
+    before = in_force(run.opened, trace.now)
+    chargers = {CHARGERS: before.station.chargers}
+    there = _revised(run, scenario, title)
+    edit = edit_of(there.trace, chargers, tuple(before.price_per_kwh.tolist()))
+    return there if there.answer else _happened(run, there, title, edit.events)
 
 
 def rewired(run: Run, network: Network) -> Run:
     """The limits of another network model in force from now on."""
-    return _revised(run, run.trace.scenario, "another network model", network)
+    return _revised(run, run.trace.inputs.given, "another network model", network)
 
 
 def edited(
@@ -81,14 +94,38 @@ def edited(
 ) -> Run:
     """Some keys of the scenario, or its energy prices, changed from now on.
 
-    What is not valid, or would break a contract, changes nothing but the answer, which
-    calls the edit by its `title`.
+    In mid-day chargers and prices change by events, so that the day can be run again. What is
+    not valid, or would break a contract, changes nothing but the answer, which calls the edit
+    by its `title`.
     """
+    trace = run.trace
+    under_way = bool(trace.steps) and not trace.is_over
+    given = with_settings_kept(trace, run.opened) if trace.is_over else trace.inputs.given
     try:
-        scenario = edit_scenario(run.trace.scenario, settings, price_per_kwh)
+        if not under_way:
+            return _revised(run, edit_scenario(given, settings, price_per_kwh), title)
+        edit_scenario(trace.scenario, settings, price_per_kwh)  # tells every fault there is
+        edit = edit_of(trace, settings, price_per_kwh)
+        scenario = edit_scenario(given, edit.settings)
     except InputError as error:
         return replace(run, answer=Answer(f"Not applied: {title}", faults=error.faults))
-    return _revised(run, scenario, title)
+    there = _revised(run, scenario, title) if edit.settings else run
+    return there if there.answer else _happened(run, there, title, edit.events)
+
+
+def _happened(run: Run, there: Run, title: str, events: tuple[Event, ...]) -> Run:
+    """`there` after events, or `run` with an answer where they would break a promise."""
+    if not events:
+        return replace(there, answer=None)
+    trace = happen(there.trace, events)
+    short = tuple(
+        Shortfall(one.vehicle, one.short_kwh)
+        for one in trace.happenings[-1].revisions
+        if one.short_kwh > 0
+    )
+    if short:
+        return replace(run, answer=Answer(f"Not applied: {title}", shortfalls=short))
+    return replace(there, trace=trace, answer=None)
 
 
 def _revised(run: Run, scenario: Scenario, title: str, network: Network | None = None) -> Run:

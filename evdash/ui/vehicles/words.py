@@ -18,12 +18,14 @@ FATES = {
     "charging": ":blue-badge[:material/bolt: under contract]",
     "refused": ":red-badge[:material/block: refused]",
     "broken": ":red-badge[:material/warning: contract broken]",
+    "released": ":gray-badge[:material/logout: cut short by its driver]",
 }
 STATUS_CELLS = {
     "charged": "✓ charged",
     "charging": "… under contract",
     "refused": "✗ refused",
     "broken": "! broken",
+    "released": "~ cut short by its driver",
 }
 
 

@@ -1,0 +1,98 @@
+"""What a scenario's events make of its day, interval by interval: the audit's own reading."""
+
+from evdash.domain.events import Event
+from evdash.domain.scenario import ProfileRow, Scenario
+
+CUTS = ("no_show", "leaves_early", "late")
+
+
+def known_by(scenario: Scenario, interval: int) -> list[Event]:
+    """Events known at the start of an interval, in the order they became known."""
+    known = [event for event in scenario.events if event.interval <= interval]
+    return sorted(known, key=lambda event: event.interval)
+
+
+def as_it_turned_out(scenario: Scenario) -> Scenario:
+    """The scenario with the loads and prices each interval really had."""
+    rows = tuple(_turned_out(scenario, row) for row in scenario.profile)
+    return scenario.replacing(profile=rows)
+
+
+def _turned_out(scenario: Scenario, row: ProfileRow) -> ProfileRow:
+    price, load = row.price_per_kwh, row.load_pu
+    for event in known_by(scenario, row.interval):
+        too_early = event.from_interval is not None and row.interval < event.from_interval
+        too_late = event.until_interval is not None and row.interval >= event.until_interval
+        if too_early or too_late or event.value is None:
+            continue
+        if event.event == "price":
+            price = event.value
+        elif event.event == "price_factor":
+            price = price * event.value
+        elif event.event == "load_factor":
+            load = load * event.value
+    return row.model_copy(update={"price_per_kwh": price, "load_pu": load})
+
+
+def chargers_at(scenario: Scenario, interval: int) -> int:
+    """Chargers that work in an interval."""
+    working = float(scenario.station.chargers)
+    for event in known_by(scenario, interval):
+        value = event.value or 0.0
+        if event.event == "chargers":
+            working = value
+        elif event.event == "chargers_fail":
+            working -= value
+        elif event.event == "chargers_return":
+            working += value
+    return int(working)
+
+
+def rated_spans(scenario: Scenario) -> list[tuple[Scenario, range]]:
+    """The scenario with the ratings of each span of intervals between two changes of them."""
+    ends = {e.interval for e in scenario.events if e.event == "rating"} | {scenario.intervals}
+    spans, begin = [], 0
+    for end in sorted(ends):
+        if end > begin:
+            spans.append((_rated(scenario, begin), range(begin, end)))
+        begin = end
+    return spans
+
+
+def _rated(scenario: Scenario, interval: int) -> Scenario:
+    known = known_by(scenario, interval)
+    ratings = {event.subject: event.value for event in known if event.event == "rating"}
+    if not ratings:
+        return scenario
+    lines = [
+        line.model_copy(update={"rating_kva": ratings[f"line:{line.name}"]})
+        if f"line:{line.name}" in ratings
+        else line
+        for line in scenario.lines
+    ]
+    nodes = [
+        node.model_copy(update={"rating_kva": ratings[f"node:{node.node}"]})
+        if f"node:{node.node}" in ratings
+        else node
+        for node in scenario.nodes
+    ]
+    return scenario.replacing(lines=tuple(lines), nodes=tuple(nodes))
+
+
+def events_of(scenario: Scenario, vehicle: str) -> list[Event]:
+    """What the driver of a vehicle changed, in order."""
+    return [e for e in known_by(scenario, scenario.intervals) if e.vehicle == vehicle]
+
+
+def is_there(own: list[Event], interval: int) -> bool:
+    """Whether a vehicle's own changes leave it at its charger in an interval."""
+    for event in own:
+        if interval < event.interval:
+            continue
+        if event.event == "no_show":
+            return False
+        if event.event == "leaves_early" and interval >= (event.until_interval or 0):
+            return False
+        if event.event == "late" and interval < (event.from_interval or 0):
+            return False
+    return True
