@@ -8,6 +8,7 @@ page.begin()
 LEARN = [
     st.Page("pages/live.py", title="Live", icon=":material/bolt:", default=True),
     st.Page("pages/vehicles.py", title="Vehicles", icon=":material/directions_car:"),
+    st.Page("pages/feeder.py", title="Feeder", icon=":material/account_tree:"),
 ]
 PLAN = [
     st.Page("pages/compare.py", title="Compare", icon=":material/compare_arrows:"),

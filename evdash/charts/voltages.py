@@ -1,6 +1,5 @@
 """Nodal voltages with their limits, linearised and by AC power flow."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -25,30 +24,34 @@ from evdash.charts.style import (
     time_axis,
     value_axis,
 )
-from evdash.domain.limits import Floats
+from evdash.charts.voltage_map import (
+    AcVoltages,
+    deepest_drop_pu,
+    drop_map,
+    node_axis,
+    node_map,
+    outside_marks,
+)
 from evdash.domain.outlook import Outlook
 
 HEIGHT_PX = 560
-LINES_DOMAIN, MAP_DOMAIN = [0.66, 1.0], [0.0, 0.55]
-MAP_PX = 250
-LEAST_DROP_PU = 1e-4
-"""The drop shown at full scale at the least, so that next to nothing looks like it."""
-LABEL_PX = 15
-VOLTAGE_TOLERANCE_PU = 1e-6
-
-AcVoltages = Mapping[int, Floats]
-"""Node voltages of executed intervals by AC power flow, pu, shape (nodes,) each."""
+LINES_DOMAIN = [0.66, 1.0]
 
 
 def voltages_figure(outlook: Outlook, ac: AcVoltages) -> Figure:
     """Lowest and highest voltage of each interval over a map of all nodes."""
     return figure(
-        [*_lines(outlook), *_ac_minimum(outlook, ac), _map(outlook), *_marks(outlook, ac)],
+        [
+            *_lines(outlook),
+            *_ac_minimum(outlook, ac),
+            node_map(outlook),
+            *outside_marks(outlook, ac),
+        ],
         HEIGHT_PX,
         hovermode="closest",
         xaxis=time_axis(outlook) | {"anchor": "y2"},
         yaxis=value_axis("Voltage, pu", domain=LINES_DOMAIN, range=_range(outlook, ac), nticks=5),
-        yaxis2=_node_axis(outlook),
+        yaxis2=node_axis(outlook),
         shapes=[*now_shapes(outlook), *_limit_lines(outlook)],
         annotations=[*([now_label(outlook)] if outlook.now else []), *_limit_labels(outlook)],
     )
@@ -61,36 +64,22 @@ def base_figure(outlook: Outlook) -> Figure:
 
 def drop_figure(outlook: Outlook) -> Figure:
     """By how much charging lowers voltages: the largest drop over a map of all nodes."""
-    drop = outlook.base_voltage_pu - outlook.voltage_pu
-    words = spans(outlook)
-    deepest = max(float(drop.max()), LEAST_DROP_PU)
-    shown = _map(outlook) | {
-        "z": np.round(drop.T, 6).tolist(),
-        "zmin": 0.0,
-        "zmax": deepest,
-        "hovertext": [
-            [
-                f"Node {safe(node)}, {words[t]}: {drop[t, i]:.4f} pu lower by charging"
-                for t in range(outlook.n_intervals)
-            ]
-            for i, node in enumerate(outlook.nodes)
-        ],
-    }
-    shown["colorbar"] = shown["colorbar"] | {"tickformat": ".4f"}
     line = step_line(
         outlook,
-        drop.max(axis=1),
+        (outlook.base_voltage_pu - outlook.voltage_pu).max(axis=1),
         name="Largest drop by charging",
         line={"color": BLUE, "width": 2.5, "shape": "hv"},
         hovertemplate="%{x}: %{y:.4f} pu<extra></extra>",
     )
     return figure(
-        [line, shown],
+        [line, drop_map(outlook)],
         HEIGHT_PX,
         hovermode="closest",
         xaxis=time_axis(outlook) | {"anchor": "y2"},
-        yaxis=value_axis("Drop, pu", domain=LINES_DOMAIN, range=[0.0, 1.1 * deepest], nticks=5),
-        yaxis2=_node_axis(outlook),
+        yaxis=value_axis(
+            "Drop, pu", domain=LINES_DOMAIN, range=[0.0, 1.1 * deepest_drop_pu(outlook)], nticks=5
+        ),
+        yaxis2=node_axis(outlook),
         shapes=now_shapes(outlook),
         annotations=[now_label(outlook)] if outlook.now else [],
     )
@@ -172,88 +161,6 @@ def _ac_minimum(outlook: Outlook, ac: AcVoltages) -> list[Trace]:
             "marker": {"symbol": "circle-open", "size": 8, "color": GREEN, "line": {"width": 2}},
         }
     ]
-
-
-def _map(outlook: Outlook) -> Trace:
-    margin = 0.1 * (outlook.voltage_max_pu - outlook.voltage_min_pu)
-    words = spans(outlook)
-    return {
-        "type": "heatmap",
-        "xaxis": "x",
-        "yaxis": "y2",
-        "x": [stamp(time) for time in outlook.times],
-        "y": list(range(len(outlook.nodes))),
-        "z": np.round(outlook.voltage_pu.T, 5).tolist(),
-        "zmin": outlook.voltage_min_pu - margin,
-        "zmax": outlook.voltage_max_pu + margin,
-        "colorscale": "Cividis",
-        "colorbar": {
-            "title": {"text": "pu"},
-            "thickness": 14,
-            "len": MAP_DOMAIN[1],
-            "y": MAP_DOMAIN[1] / 2,
-            "tickformat": ".2f",
-            "nticks": 6,
-        },
-        "hovertext": [
-            [
-                f"Node {safe(node)}, {words[t]}: {outlook.voltage_pu[t, i]:.4f} pu"
-                for t in range(outlook.n_intervals)
-            ]
-            for i, node in enumerate(outlook.nodes)
-        ],
-        "hovertemplate": "%{hovertext}<extra></extra>",
-    }
-
-
-def _marks(outlook: Outlook, ac: AcVoltages) -> list[Trace]:
-    """Crosses where a node is outside its limits: linearised, and by AC where known."""
-    low, high = outlook.voltage_min_pu, outlook.voltage_max_pu
-    linear = {t: outlook.voltage_pu[t] for t in range(outlook.n_intervals)}
-    marks = []
-    for name, found, symbol in (
-        ("Outside limits", linear, "x-thin"),
-        ("Outside limits in AC", ac, "circle-open"),
-    ):
-        cells = [
-            (t, int(i))
-            for t, voltage in sorted(found.items())
-            for i in np.flatnonzero(
-                (voltage < low - VOLTAGE_TOLERANCE_PU) | (voltage > high + VOLTAGE_TOLERANCE_PU)
-            )
-        ]
-        if cells:
-            marks.append(_crosses(outlook, name, cells, symbol))
-    return marks
-
-
-def _crosses(outlook: Outlook, name: str, cells: list[tuple[int, int]], symbol: str) -> Trace:
-    middle = (outlook.times[1] - outlook.start) / 2
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "name": name,
-        "yaxis": "y2",
-        "x": [stamp(outlook.times[t] + middle) for t, _ in cells],
-        "y": [i for _, i in cells],
-        "hoverinfo": "skip",
-        "marker": {"symbol": symbol, "size": 8, "color": VERMILLION}
-        | {"line": {"width": 2, "color": VERMILLION}},
-    }
-
-
-def _node_axis(outlook: Outlook) -> dict[str, Any]:
-    every = -(-LABEL_PX * len(outlook.nodes) // MAP_PX)
-    places = range(0, len(outlook.nodes), every)
-    return value_axis(
-        "Node",
-        domain=MAP_DOMAIN,
-        range=[len(outlook.nodes) - 0.5, -0.5],
-        tickvals=list(places),
-        ticktext=[safe(outlook.nodes[i][:12]) for i in places],
-        tickfont={"size": FONT_PX - 2},
-        showgrid=False,
-    )
 
 
 def _range(outlook: Outlook, ac: AcVoltages) -> list[float]:

@@ -1,0 +1,307 @@
+"""The feeder as a one-line drawing, in one interval: voltages, loading, and what limits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from evdash.charts.feeder_layout import Layout, middle_of
+from evdash.charts.feeder_moment import Moment, nodes_outside
+from evdash.charts.style import (
+    BLUE,
+    CLEAR,
+    FONT_PX,
+    ORANGE,
+    OUTLINE,
+    SKY,
+    VERMILLION,
+    Figure,
+    figure,
+    safe,
+)
+from evdash.charts.voltage_map import LEAST_DROP_PU
+
+HEIGHT_PX, TALLEST_PX, ROW_PX = 540, 900, 14
+FEW, MANY = 45, 150
+"""Up to FEW nodes all are labelled; from MANY on symbols are small."""
+CARRIED_KVA = 0.05
+HALO = "rgba(230,159,0,0.55)"
+
+
+@dataclass(frozen=True, slots=True)
+class Loading:
+    """A class of lines: up to which share of the rating, and how it is drawn."""
+
+    name: str
+    up_to: float
+    width: float
+    colour: str
+    dash: str = "solid"
+
+
+LOADINGS = (
+    Loading("Loading to 50 %", 0.5, 2.5, SKY),
+    Loading("50–80 %", 0.8, 4.5, BLUE),
+    Loading("80–100 %", 1.0, 7, ORANGE),
+    Loading("Over its rating", float("inf"), 9, VERMILLION, "dot"),
+)
+UNRATED = Loading("No rating", float("nan"), 2, OUTLINE)
+BUSY, IDLE = Loading("Carries charging", 0, 6, BLUE), Loading("Other lines", 0, 2, OUTLINE)
+
+
+def feeder_figure(moment: Moment) -> Figure:
+    """The drawing: nodes coloured by voltage, lines by loading, the tightest limit ringed."""
+    voltage = moment.voltage_pu
+    values = list(voltage.values())
+    return figure(
+        [
+            *_tightest(moment),
+            *_lines(moment),
+            _line_marks(moment),
+            *_nodes(moment, voltage),
+            *_nodes_outside(moment, voltage),
+        ],
+        _height_px(moment.layout),
+        margin={"l": 8, "r": 8, "t": 62, "b": 8},
+        hovermode="closest",
+        dragmode="pan",
+        coloraxis=_colours(moment, values),
+        **_frame(moment.layout),
+    )
+
+
+def _height_px(layout: Layout) -> int:
+    """Taller for a tree of many branches."""
+    rows = 0 if layout.is_given else len({y for _, y in layout.places.values()})
+    return min(TALLEST_PX, max(HEIGHT_PX, ROW_PX * rows))
+
+
+def _frame(layout: Layout) -> dict[str, Any]:
+    """Axes without marks, with room for labels at the edges, most of it on the right."""
+    axes = {}
+    rooms = ((0.05, 0.16), (0.1, 0.12))
+    for axis, values, (before, after) in zip(
+        ("xaxis", "yaxis"), zip(*layout.places.values(), strict=True), rooms, strict=True
+    ):
+        low, high = min(values), max(values)
+        wide = high - low or 1.0
+        axes[axis] = {"visible": False, "range": [low - before * wide, high + after * wide]}
+    return axes
+
+
+def _colours(moment: Moment, values: Sequence[float]) -> dict[str, Any]:
+    low, high = moment.outlook.voltage_min_pu, moment.outlook.voltage_max_pu
+    bar: dict[str, Any] = {"title": {"text": "pu"}, "thickness": 14, "len": 0.85}
+    if moment.way == "difference":
+        return {
+            "colorscale": "Cividis",
+            "reversescale": True,
+            "cmin": 0.0,
+            "cmax": max(LEAST_DROP_PU, *values),
+            "colorbar": bar | {"tickformat": ".4f", "title": {"text": "pu lower"}},
+        }
+    room = 0.1 * (high - low)
+    middle = (low + high) / 2
+    return {
+        "colorscale": "Cividis",
+        "cmin": low - room,
+        "cmax": high + room,
+        "colorbar": bar
+        | {
+            "tickvals": [low, middle, high],
+            "ticktext": [
+                f"{low:g} lowest<br>allowed",
+                f"{middle:g}",
+                f"{high:g} highest<br>allowed",
+            ],
+        },
+    }
+
+
+def _lines(moment: Moment) -> list[dict[str, Any]]:
+    """One trace a class, so that the legend tells width and colour."""
+    if moment.way == "difference":
+        classes: tuple[Loading, ...] = (IDLE, BUSY)
+        of_line = [int(kva > CARRIED_KVA) for kva in np.abs(moment.line_kva)]
+    else:
+        classes = (*LOADINGS, UNRATED)
+        of_line = [_class_of(share) for share in moment.loading]
+    traces = []
+    for place, look in enumerate(classes):
+        ways = [moment.layout.ways[i] for i, one in enumerate(of_line) if one == place]
+        if ways:
+            traces.append(
+                {
+                    "type": "scatter",
+                    "mode": "lines",
+                    "name": look.name,
+                    "x": [x for way in ways for x in (*(p[0] for p in way), None)],
+                    "y": [y for way in ways for y in (*(p[1] for p in way), None)],
+                    "line": {"color": look.colour, "width": look.width, "dash": look.dash},
+                    "hoverinfo": "skip",
+                }
+            )
+    return traces
+
+
+def _class_of(share: float) -> int:
+    if np.isnan(share):
+        return len(LOADINGS)
+    return next(i for i, look in enumerate(LOADINGS) if share <= look.up_to + 1e-9)
+
+
+def _line_marks(moment: Moment) -> dict[str, Any]:
+    """In the middle of every line: its flow to hover over, and in words where it matters."""
+    labelled = len(moment.layout.places) <= FEW
+    texts, told = [], []
+    for line, kva, share, rating in zip(
+        moment.scenario.lines, moment.line_kva, moment.loading, moment.flows.rating_kva, strict=True
+    ):
+        name = f"{safe(line.from_node)}–{safe(line.to_node)}"
+        if moment.way == "difference":
+            told.append(f"{name}: {kva:+.1f} kVA by charging")
+            texts.append(f"{kva:+.0f} kVA" if labelled and abs(kva) > CARRIED_KVA else "")
+        elif np.isnan(share):
+            told.append(f"{name}: {kva:,.1f} kVA, no rating")
+            texts.append("")
+        else:
+            told.append(f"{name}: {kva:,.1f} of {rating:,.0f} kVA ({100 * share:.0f} %)")
+            texts.append(f"{100 * share:.0f} %" if labelled or share > LOADINGS[1].up_to else "")
+    middles = [middle_of(way) for way in moment.layout.ways]
+    return {
+        "type": "scatter",
+        "mode": "markers+text",
+        "showlegend": False,
+        "x": [x for x, _ in middles],
+        "y": [y for _, y in middles],
+        "text": texts,
+        "textposition": [
+            "middle right" if way[-1][0] == way[-2][0] else "bottom center"
+            for way in moment.layout.ways
+        ],
+        "textfont": {"size": FONT_PX - 2},
+        "hovertext": told,
+        "hovertemplate": "%{hovertext}<extra></extra>",
+        "marker": {"size": 16, "color": "rgba(128,128,128,0.01)"},
+    }
+
+
+def _nodes(moment: Moment, voltage: dict[str, float]) -> list[dict[str, Any]]:
+    source, station = moment.scenario.feeder.source_node, moment.scenario.station.node
+    size = 17 if len(voltage) <= FEW else 11 if len(voltage) <= MANY else 8
+    labelled = _labelled(moment, voltage)
+    kinds = (
+        ("Node", [n for n in voltage if n not in (source, station)], "circle", size),
+        ("Source", [source], "square", size + 4),
+        ("Charging station", [station], "diamond", size + 8),
+    )
+    return [
+        {
+            "type": "scatter",
+            "mode": "markers+text",
+            "name": name,
+            "x": [moment.layout.places[node][0] for node in nodes],
+            "y": [moment.layout.places[node][1] for node in nodes],
+            "text": [
+                _label(moment, node, voltage[node]) if node in labelled else "" for node in nodes
+            ],
+            "textposition": "top right",
+            "cliponaxis": False,
+            "textfont": {"size": FONT_PX - 1},
+            "hovertext": [_told(moment, node, voltage[node]) for node in nodes],
+            "hovertemplate": "%{hovertext}<extra></extra>",
+            "marker": {
+                "symbol": symbol,
+                "size": pixels,
+                "color": [round(voltage[node], 6) for node in nodes],
+                "coloraxis": "coloraxis",
+                "line": {"color": OUTLINE, "width": 1.5},
+            },
+        }
+        for name, nodes, symbol, pixels in kinds
+        if nodes
+    ]
+
+
+def _labelled(moment: Moment, voltage: dict[str, float]) -> set[str]:
+    """All nodes of a small feeder; of a large one those that somebody looks for."""
+    if len(voltage) <= FEW:
+        return set(voltage)
+    binding = moment.outlook.binding[moment.interval].partition(":")[2]
+    sought = {
+        moment.scenario.feeder.source_node,
+        moment.scenario.station.node,
+        min(voltage, key=voltage.__getitem__),
+        max(voltage, key=voltage.__getitem__),
+        binding,
+    }
+    return sought & set(voltage)
+
+
+def _label(moment: Moment, node: str, value: float) -> str:
+    digits = 4 if moment.way == "difference" else 3
+    return f"<b>{safe(node[:14])}</b> {value:.{digits}f}"
+
+
+def _told(moment: Moment, node: str, value: float) -> str:
+    if moment.way == "difference":
+        return f"Node {safe(node)}: {value:.4f} pu lower by charging"
+    parts = [f"Node {safe(node)}: {value:.4f} pu linearised"]
+    if moment.ac_pu is not None and moment.way == "with" and node in moment.outlook.nodes:
+        ac = float(moment.ac_pu[moment.outlook.nodes.index(node)])
+        parts.append(f"{ac:.4f} pu by AC power flow" if np.isfinite(ac) else "no AC solution")
+    if node == moment.scenario.station.node and moment.way == "with":
+        parts.append(f"station {moment.outlook.station_kw[moment.interval]:,.1f} kW")
+    return "<br>".join(parts)
+
+
+def _nodes_outside(moment: Moment, voltage: dict[str, float]) -> list[dict[str, Any]]:
+    """Crosses on nodes outside their limits; by AC, rings: told apart by shape."""
+    if moment.way == "difference":
+        return []
+    found = {"Outside limits": (voltage, "x-thin")}
+    if moment.ac_pu is not None and moment.way == "with":
+        ac = dict(zip(moment.outlook.nodes, moment.ac_pu.tolist(), strict=True))
+        found["Outside limits in AC"] = (ac, "circle-open")
+    return [
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "name": name,
+            "x": [moment.layout.places[node][0] for node in nodes],
+            "y": [moment.layout.places[node][1] for node in nodes],
+            "marker": {"symbol": symbol, "size": 26 if symbol == "circle-open" else 18}
+            | {"color": VERMILLION, "line": {"color": VERMILLION, "width": 3}},
+            "hoverinfo": "skip",
+        }
+        for name, (values, symbol) in found.items()
+        if (nodes := nodes_outside(moment, values))
+    ]
+
+
+def _tightest(moment: Moment) -> list[dict[str, Any]]:
+    """A halo around the element that sets the headroom."""
+    element = moment.outlook.binding[moment.interval]
+    kind, _, name = element.partition(":")
+    if not element:
+        return []
+    way = next(
+        (
+            way
+            for line, way in zip(moment.scenario.lines, moment.layout.ways, strict=True)
+            if kind == "line" and line.name == name
+        ),
+        (moment.layout.places[name],) if name in moment.layout.places else (),
+    )
+    halo: dict[str, Any] = {
+        "type": "scatter",
+        "name": "Tightest limit",
+        "x": [x for x, _ in way],
+        "y": [y for _, y in way],
+        "hoverinfo": "skip",
+    }
+    if len(way) > 1:
+        return [halo | {"mode": "lines", "line": {"color": HALO, "width": 22}}]
+    ring = {"symbol": "circle", "size": 38, "color": HALO, "line": {"color": CLEAR, "width": 0}}
+    return [halo | {"mode": "markers", "marker": ring}] if way else []

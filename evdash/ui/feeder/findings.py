@@ -1,0 +1,53 @@
+"""What the Feeder page's pieces have in common: flows, layout, what AC found. Each made once."""
+
+from evdash.charts.feeder_layout import Layout, layout_of
+from evdash.charts.feeder_moment import Moment
+from evdash.charts.voltage_map import AcVoltages, MapWay
+from evdash.domain.scenario import Scenario
+from evdash.metrics.ac import AcPoint
+from evdash.metrics.feeder import Flows, flows
+from evdash.ui.parts import view
+from evdash.ui.referee import referee
+from evdash.ui.session import Session
+
+AC_PATIENCE_SECONDS = 0.06
+WAYS: dict[MapWay, str] = {
+    "with": "With charging",
+    "without": "Without",
+    "difference": "Difference",
+}
+
+
+def flows_of(session: Session) -> Flows:
+    """What flows through each line."""
+    return session.once("flows", lambda: flows(session.run.trace, view(session)))
+
+
+def layout_in(session: Session) -> Layout:
+    """Where nodes are drawn."""
+    scenario: Scenario = session.run.trace.scenario
+    return session.once("layout", lambda: layout_of(scenario))
+
+
+def ac_points(session: Session) -> dict[int, AcPoint]:
+    """What AC power flow found of the intervals executed; the rest comes later."""
+    return referee.findings(session.run.trace, AC_PATIENCE_SECONDS)
+
+
+def ac_voltages(points: dict[int, AcPoint]) -> AcVoltages:
+    """Node voltages by interval."""
+    return {interval: point.voltage_pu for interval, point in points.items()}
+
+
+def moment_at(session: Session, interval: int, way: MapWay) -> Moment:
+    """The feeder in one interval."""
+    point = ac_points(session).get(interval)
+    return Moment(
+        scenario=session.run.trace.scenario,
+        outlook=view(session),
+        flows=flows_of(session),
+        layout=layout_in(session),
+        interval=interval,
+        way=way,
+        ac_pu=None if point is None else point.voltage_pu,
+    )
