@@ -16,3 +16,4 @@ PLAN = [
 shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
 page.go_on("pages/live.py")
 shown.run()
+page.keep_address()

@@ -51,3 +51,7 @@ class SolverFailure(EvdashError):
 
 class PowerFlowDiverged(EvdashError):
     """The AC power flow found no solution."""
+
+
+class StoreUnavailable(EvdashError):
+    """Runs cannot be kept or read; the message names the file and the reason."""

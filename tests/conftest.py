@@ -1,6 +1,17 @@
 """Settings of all tests."""
 
+import atexit
+import os
+import shutil
+import tempfile
+
 from hypothesis import HealthCheck, settings
+
+from evdash.store.place import VARIABLE
+
+# No test keeps its runs where a person keeps theirs.
+os.environ[VARIABLE] = tempfile.mkdtemp(prefix="evdash-tests-")
+atexit.register(shutil.rmtree, os.environ[VARIABLE], ignore_errors=True)
 
 # The same examples on every run and machine, and no deadline: a test never fails on time.
 settings.register_profile(

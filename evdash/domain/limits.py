@@ -1,11 +1,32 @@
 """What the feeder hands over to scheduling: named linear limits on station power."""
 
+import base64
 from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import PlainSerializer, PlainValidator
 
-Floats = NDArray[np.float64]
+
+def _in_words(array: NDArray[np.float64]) -> dict[str, Any]:
+    """An array to the bit as JSON can carry it: its shape and its bytes."""
+    little = np.ascontiguousarray(array, dtype="<f8")
+    return {"shape": list(array.shape), "float64": base64.b64encode(little.tobytes()).decode()}
+
+
+def _from_words(value: Any) -> NDArray[np.float64]:
+    if not isinstance(value, dict) or set(value) != {"shape", "float64"}:
+        raise ValueError("should be an array as shape and float64")
+    flat = np.frombuffer(base64.b64decode(value["float64"], validate=True), dtype="<f8")
+    return flat.reshape(value["shape"])  # read-only, as everything in a trace is
+
+
+Floats = Annotated[
+    NDArray[np.float64],
+    PlainValidator(_from_words),
+    PlainSerializer(_in_words, when_used="json"),
+]
 STATION = 0
 """The one port there is today: the charging station."""
 

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import BeforeValidator, Discriminator, Field, PlainSerializer, Tag
 
 from evdash.domain.events import Event
 from evdash.domain.fields import (
@@ -55,7 +55,11 @@ def _one(value: object) -> object:
     return value
 
 
-LocalTime = Annotated[datetime, BeforeValidator(_local_time)]
+LocalTime = Annotated[
+    datetime,
+    BeforeValidator(_local_time),
+    PlainSerializer(lambda moment: moment.strftime(LOCAL_TIME_FORMAT), str, when_used="json"),
+]
 
 
 class Feeder(Record):

@@ -8,6 +8,9 @@ from pathlib import Path
 import streamlit as st
 from streamlit.navigation.page import Page
 
+from evdash.ui.keeping import LINK
+from evdash.ui.session import KEY, PRESET, Session
+
 ICON = Path(__file__).with_name("icon.svg")
 STYLE = """
 <style>
@@ -27,9 +30,7 @@ STYLE = """
 """
 
 
-BEGUN, GOAL, ADDRESS = "evdash:begun", "evdash:goal", "evdash:address"
-KEPT = ("preset", "run")
-"""What a page's address says of the run; it stays when another page is chosen."""
+BEGUN, GOAL = "evdash:begun", "evdash:goal"
 
 
 def begin() -> None:
@@ -37,7 +38,6 @@ def begin() -> None:
     st.session_state[BEGUN] = True
     st.set_page_config(page_title="evdash", page_icon=ICON, layout="wide")
     st.html(STYLE)
-    keep_address()
     freeze()
 
 
@@ -47,13 +47,17 @@ def navigation(groups: Mapping[str, Sequence[Page]]) -> Page:
 
 
 def keep_address() -> None:
-    """Put back into the address what another page's link has left out."""
-    kept: dict[str, str] = st.session_state.setdefault(ADDRESS, {})
-    for name in KEPT:
-        if name in st.query_params:
-            kept[name] = st.query_params[name]
-        elif name in kept:
-            st.query_params[name] = kept[name]
+    """Have the address say which run this is, also after a change or a link to another page."""
+    session: Session | None = st.session_state.get(KEY)
+    if session is None:
+        return  # what the address says is still to be read
+    folder = session.run.folder
+    truth = {PRESET: folder.name if folder else "", LINK: session.keeper.link}
+    for name, value in truth.items():
+        if value and st.query_params.get(name) != value:
+            st.query_params[name] = value
+        elif not value:
+            st.query_params.pop(name, None)
 
 
 def by_way_of_app(page: str) -> None:
@@ -65,6 +69,7 @@ def by_way_of_app(page: str) -> None:
     if BEGUN not in st.session_state:
         st.session_state[GOAL] = page
         st.switch_page("app.py", query_params=st.query_params.to_dict())
+    keep_address()
 
 
 def go_on(shown: str) -> None:

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Hashable, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -13,13 +14,18 @@ from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
+from evdash.ui import keeping
 from evdash.ui import run as runs
+from evdash.ui.keeping import Keeper
 from evdash.ui.run import Run
 from evdash.ui.solving import policy
 
 Mode = Literal["idle", "playing", "finishing"]
 T = TypeVar("T")
 KEY = "evdash"
+PRESET = "preset"
+"""What the address calls the scenario that was opened."""
+MOST_UNDONE = 200
 
 
 class Session:
@@ -28,25 +34,43 @@ class Session:
     Streamlit aborts a running script at its next call when somebody clicks again. So every
     change is a pure function from run to run and one assignment, without a Streamlit call in
     between, and the lock lets one change follow the other: a click is neither lost nor
-    half done.
+    half done. Every change is kept on disk, too, and can be undone.
     """
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: Run, keeper: Keeper | None = None) -> None:
         self.run = run
+        self.keeper = keeper or Keeper()
         self.mode: Mode = "idle"
         self.shown: dict[str, object] = {}
         self.price_base: tuple[float, ...] = ()
         self.price_latest: tuple[float, ...] = ()
         self.price_revision = 0
         self._stepped_at = 0.0
+        self._past: deque[Run] = deque(maxlen=MOST_UNDONE)
         self._lock = threading.Lock()
         self._drawn: dict[str, tuple[Trace, Hashable, Any]] = {}
 
     def _change(self, change: Callable[[Run], Run]) -> None:
         with self._lock:
-            self.run = change(self.run)
+            before, self.run = self.run, change(self.run)
+            if self.run.trace is not before.trace or self.run.opened is not before.opened:
+                self._past.append(before)
+                self.keeper.keep(self.run)
             if self.run.trace.is_over:
                 self.mode = "idle"
+
+    def undo(self) -> None:
+        """Take back the last change, whatever it was."""
+        with self._lock:
+            self.mode = "idle"
+            if self._past:
+                self.run = self._past.pop()
+                self.keeper.keep(self.run)
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to take back."""
+        return bool(self._past)
 
     def step(self) -> None:
         """Decide one interval."""
@@ -121,9 +145,18 @@ def bundled_names() -> dict[str, Path]:
 
 
 def current() -> Session:
-    """This tab's session, begun on the default scenario or the one the address names."""
+    """This tab's session: the run the address links to, or a new day of the preset it names."""
     if KEY not in st.session_state:
-        folder = bundled_names().get(st.query_params.get("preset", ""), DEFAULT)
-        st.session_state[KEY] = Session(runs.open_run(folder, bundled(folder)))
+        st.session_state[KEY] = _begun()
     session: Session = st.session_state[KEY]
     return session
+
+
+def _begun() -> Session:
+    run, keeper = None, Keeper()
+    if link := st.query_params.get(keeping.LINK):
+        run, keeper = keeping.resume(link)
+    if run is None:
+        folder = bundled_names().get(st.query_params.get(PRESET, ""), DEFAULT)
+        run = runs.open_run(folder, bundled(folder))
+    return Session(run, keeper)

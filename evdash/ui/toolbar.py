@@ -24,6 +24,14 @@ def toolbar(session: Session) -> None:
             help="Undo the last step, and changes made since.",
         )
         st.button(
+            "Undo",
+            on_click=session.undo,
+            key="undo",
+            icon=":material/undo:",
+            disabled=not session.can_undo,
+            help="Take back the last change, whatever it was: a step, a setting, a reset.",
+        )
+        st.button(
             "Reset",
             on_click=session.reset,
             key="reset",
@@ -35,7 +43,16 @@ def toolbar(session: Session) -> None:
             f"{ahead.clock:%A, %d %B} · {trace.now} of "
             f"{counted(ahead.n_intervals, 'interval')} decided",
             text_alignment="right",
+            help=LINK_HELP,
         )
+    if session.keeper.said:
+        st.caption(f":orange[:material/link_off: {session.keeper.said}]")
+
+
+LINK_HELP = (
+    "The run is kept after every change. This page's address brings it back, also on another day "
+    "or after the server was started anew."
+)
 
 
 def step_button(session: Session, key: str = "step") -> None:

@@ -169,7 +169,7 @@ def test_another_preset_begins_another_day() -> None:
     assert not at.exception
     assert now(at) == 0
     assert at.number_input(key="station.chargers").value == 140
-    assert at.query_params["preset"] == "voltage-limited"
+    assert at.run().query_params["preset"] == "voltage-limited"
 
 
 def test_tables_open_under_their_charts() -> None:

@@ -1,5 +1,6 @@
 """A real server, a real Chromium, and pages that must not complain."""
 
+import os
 import re
 import shutil
 import socket
@@ -11,10 +12,12 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from evdash.store.place import VARIABLE
 from tests.browser.live import LivePage
 
 ROOT = Path(__file__).parents[2]
@@ -42,15 +45,23 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @contextmanager
-def serving() -> Iterator[str]:
-    """A fresh server's address; it is gone afterwards."""
+def serving(store: str | None = None) -> Iterator[str]:
+    """A fresh server's address; it is gone afterwards, and so are its runs but in `store`."""
+    if store is None:
+        with TemporaryDirectory() as own, serving(own) as address:
+            yield address
+        return
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     command = [sys.executable, "-m", "streamlit", "run", "app.py", "--server.headless=true"]
     options = [f"--server.port={port}", "--server.address=127.0.0.1"]
     server = subprocess.Popen(
-        [*command, *options], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [*command, *options],
+        cwd=ROOT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=os.environ | {VARIABLE: store},
     )
     address = f"http://127.0.0.1:{port}"
     try:

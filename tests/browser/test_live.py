@@ -1,6 +1,7 @@
 """The whole story in a real browser: open, read, step, edit, go back, run to the end."""
 
 import re
+from pathlib import Path
 
 from playwright.sync_api import Browser, expect
 
@@ -101,6 +102,25 @@ def test_another_preset_and_back_by_its_address(live: LivePage) -> None:
     live.page.reload()
     expect(live.sentence).to_contain_text("node 652", timeout=15_000)
     expect(live.field("Chargers")).to_have_value("140")
+
+
+def test_a_run_survives_a_reload_another_browser_and_a_new_server(
+    browser: Browser, tmp_path: Path
+) -> None:
+    store = str(tmp_path)
+    with serving(store) as address, visiting(browser) as page:
+        live = LivePage(page, address).open().step_to(3)
+        live.type("Chargers", "9").step_to(5)
+        page.reload()
+        live.shows(5)
+        expect(live.field("Chargers")).to_have_value("9")
+        delivered = live.settled().step_to(6).figure("Delivered").inner_text()
+        link = page.url.removeprefix(address)
+        assert "run=" in link
+    with serving(store) as address, visiting(browser) as page:
+        live = LivePage(page, address).open(link).shows(6)
+        expect(live.figure("Delivered")).to_have_text(delivered)
+        live.step_to(7).press("undo").shows(6)
 
 
 def test_charts_have_names_and_tables_and_fit_the_window(live: LivePage) -> None:

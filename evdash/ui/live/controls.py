@@ -12,7 +12,7 @@ import pandas as pd
 import streamlit as st
 
 from evdash.domain.outlook import Outlook
-from evdash.ui.session import Session, bundled, bundled_names
+from evdash.ui.session import PRESET, Session, bundled, bundled_names
 from evdash.ui.settings import (
     NETWORK_NAMES,
     Control,
@@ -29,7 +29,7 @@ from evdash.ui.settings import (
 )
 from evdash.ui.words import clock, plain
 
-PRESET, CURVE, NETWORK = "preset", "price_curve", "network"
+CURVE, NETWORK = "price_curve", "network"
 OWN = ""
 """Stands among the presets for a scenario of the user's own."""
 CURVES = {"Ordinary": "summer-weekday", "Spike": "price-spike", "Negative": "negative-price"}
@@ -50,7 +50,6 @@ def take_edits(session: Session) -> None:
     }
     if PRESET in new and new[PRESET] != OWN:
         session.open(bundled_names()[new[PRESET]])
-        st.query_params[PRESET] = new[PRESET]
         new = {}
     if NETWORK in new:
         session.rewire(new.pop(NETWORK))

@@ -1,0 +1,108 @@
+"""The file runs are kept in: SQLite, written as a whole or not at all."""
+
+import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from evdash.errors import StoreUnavailable
+
+FORMAT = 1
+"""Version of what is in the file; another version is refused, never guessed at."""
+NAME = "runs.sqlite3"
+PATIENCE_SECONDS = 0.5
+"""How long to wait for another process that is just writing."""
+SCHEMA = """
+CREATE TABLE runs (
+    link TEXT PRIMARY KEY,
+    version INTEGER NOT NULL,
+    manifest TEXT NOT NULL,
+    touched REAL NOT NULL,
+    pinned_by TEXT REFERENCES runs (link) ON DELETE CASCADE,
+    title TEXT NOT NULL DEFAULT ''
+) WITHOUT ROWID;
+CREATE INDEX runs_pinned ON runs (pinned_by);
+CREATE INDEX runs_touched ON runs (touched);
+CREATE TABLE parts (name TEXT PRIMARY KEY, body BLOB NOT NULL);
+CREATE TABLE uses (
+    link TEXT NOT NULL REFERENCES runs (link) ON DELETE CASCADE,
+    name TEXT NOT NULL REFERENCES parts (name),
+    PRIMARY KEY (link, name)
+) WITHOUT ROWID;
+CREATE INDEX uses_name ON uses (name);
+"""
+
+
+class Database:
+    """One connection for all threads of this process, opened when first needed.
+
+    Whatever goes wrong with the file or its place is told as StoreUnavailable, in words.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self.path = directory / NAME
+        self._lock = threading.Lock()
+        self._connection: sqlite3.Connection | None = None
+
+    @contextmanager
+    def transaction(self) -> Iterator[sqlite3.Connection]:
+        """A connection whose changes are all kept at the end, or none of them."""
+        with self._lock:
+            try:
+                connection = self._connection = self._connection or self._opened()
+                connection.execute("BEGIN IMMEDIATE")
+                try:
+                    yield connection
+                    connection.execute("COMMIT")
+                except BaseException:
+                    _roll_back(connection)
+                    raise
+            except (sqlite3.Error, OSError) as error:
+                self._let_go()
+                raise StoreUnavailable(f"{self.path}: {error}") from error
+
+    def close(self) -> None:
+        """Let go of the file."""
+        with self._lock:
+            self._let_go()
+
+    def _let_go(self) -> None:
+        if self._connection is not None:
+            self._connection.close()
+        self._connection = None
+
+    def _opened(self) -> sqlite3.Connection:
+        self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        connection = sqlite3.connect(
+            self.path, timeout=PATIENCE_SECONDS, isolation_level=None, check_same_thread=False
+        )
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = NORMAL")
+            connection.execute("PRAGMA foreign_keys = ON")
+            self._made(connection)
+        except BaseException:
+            connection.close()
+            raise
+        return connection
+
+    def _made(self, connection: sqlite3.Connection) -> None:
+        """The tables, made in a new file; an older or newer file is refused."""
+        connection.execute("BEGIN IMMEDIATE")
+        found = connection.execute("PRAGMA user_version").fetchone()[0]
+        if found == 0:
+            for statement in SCHEMA.split(";"):
+                connection.execute(statement)
+            connection.execute(f"PRAGMA user_version = {FORMAT}")
+        connection.execute("COMMIT")
+        if found not in (0, FORMAT):
+            raise StoreUnavailable(
+                f"{self.path}: its format is {found}, this version of evdash keeps {FORMAT}; "
+                "move the file away or name another folder in EVDASH_STORE"
+            )
+
+
+def _roll_back(connection: sqlite3.Connection) -> None:
+    if connection.in_transaction:
+        connection.execute("ROLLBACK")

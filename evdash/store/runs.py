@@ -1,0 +1,190 @@
+"""Runs under links nobody can guess: kept change by change, brought back, pinned, pruned."""
+
+import secrets
+import sqlite3
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from evdash.errors import StoreUnavailable
+from evdash.store.database import Database
+from evdash.store.parts import Kept, Known, Putting, Taking
+
+LINK_BYTES = 16
+DAY_SECONDS = 86_400.0
+MOST_DAYS, MOST_RUNS, MOST_BYTES = 90.0, 2_000, 500_000_000
+"""A run goes when nobody has changed it for so long, or the oldest to make room for others."""
+PRUNE_EVERY = 200
+OLDEST_SHARE = 10
+
+
+def new_link() -> str:
+    """A link of 128 random bits."""
+    return secrets.token_urlsafe(LINK_BYTES)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """How much is kept, and for how long."""
+
+    days: float = MOST_DAYS
+    runs: int = MOST_RUNS
+    size_bytes: int = MOST_BYTES
+
+
+@dataclass(frozen=True, slots=True)
+class Pin:
+    """A run put aside beside another one, under a link of its own."""
+
+    link: str
+    title: str
+
+
+class Store:
+    """All runs kept in one folder."""
+
+    def __init__(self, directory: Path, limits: Limits | None = None) -> None:
+        self.database = Database(directory)
+        self.limits = limits or Limits()
+        self._writes = 0
+
+    def write(self, link: str, version: int, kept: Kept, known: Known) -> tuple[str, Known]:
+        """Keep the next version of a run, whole; the link it is kept under, and its parts.
+
+        That is another link where the run has been changed by somebody else since: what
+        they did stays theirs, and this becomes a copy, pins and all.
+        """
+        with self.database.transaction() as data:
+            row = data.execute("SELECT version FROM runs WHERE link = ?", (link,)).fetchone()
+            # parts known from a version that is no longer there may be gone with it
+            taken = Taking(known if row == (version,) else {})
+            manifest = taken.manifest(kept)
+            origin = link
+            if row is not None and row[0] != version:
+                link, row = new_link(), None
+            if row is None:
+                _insert(data, link, manifest)
+            data.execute(
+                "UPDATE runs SET version = ?, manifest = ?, touched = ? WHERE link = ?",
+                (version + 1, manifest, time.time(), link),
+            )
+            _use(data, link, taken)
+            if link != origin:
+                _copy_pins(data, origin, link)
+            if self._writes % PRUNE_EVERY == 0:
+                prune(data, self.limits)
+            self._writes += 1
+        return link, taken.known
+
+    def read(self, link: str) -> tuple[int, Kept, Known] | None:
+        """A run with its version, or None where there is none under this link."""
+        with self.database.transaction() as data:
+            row = data.execute(
+                "SELECT version, manifest FROM runs WHERE link = ?", (link,)
+            ).fetchone()
+            if row is None:
+                return None
+            select = "SELECT parts.name, body FROM uses JOIN parts USING (name) WHERE uses.link = ?"
+            bodies: dict[str, bytes] = dict(data.execute(select, (link,)).fetchall())
+        putting = Putting(bodies.__getitem__)
+        try:
+            return int(row[0]), putting.kept(row[1]), putting.known
+        except ValueError as error:
+            raise StoreUnavailable(
+                f"{self.database.path}: the run was kept by another version of evdash"
+            ) from error
+
+    def pin(self, owner: str, kept: Kept, title: str) -> Pin:
+        """Put a run aside as it is now. It stays as long as the run `owner` does."""
+        taken = Taking({})
+        manifest = taken.manifest(kept)
+        pin = Pin(new_link(), title)
+        with self.database.transaction() as data:
+            _insert(data, pin.link, manifest, owner, title)
+            _use(data, pin.link, taken)
+        return pin
+
+    def pins(self, owner: str) -> list[Pin]:
+        """What was put aside beside a run, the first one first."""
+        select = "SELECT link, title FROM runs WHERE pinned_by = ? ORDER BY touched, link"
+        with self.database.transaction() as data:
+            return [Pin(link, title) for link, title in data.execute(select, (owner,)).fetchall()]
+
+    def unpin(self, pin: Pin) -> None:
+        """Let a pinned run go."""
+        with self.database.transaction() as data:
+            data.execute("DELETE FROM runs WHERE link = ? AND pinned_by IS NOT NULL", (pin.link,))
+
+
+def _insert(
+    data: sqlite3.Connection, link: str, manifest: str, owner: str | None = None, title: str = ""
+) -> None:
+    data.execute(
+        "INSERT INTO runs (link, version, manifest, touched, pinned_by, title) "
+        "VALUES (?, 1, ?, ?, ?, ?)",
+        (link, manifest, time.time(), owner, title),
+    )
+
+
+def _use(data: sqlite3.Connection, link: str, taken: Taking) -> None:
+    """Keep the run's new parts, and remember which ones it is made of.
+
+    Parts it is no longer made of are let go by pruning, with those of runs that are gone.
+    """
+    data.executemany("INSERT OR IGNORE INTO parts VALUES (?, ?)", taken.new.items())
+    known = {name for (name,) in data.execute("SELECT name FROM uses WHERE link = ?", (link,))}
+    data.executemany(
+        "INSERT INTO uses VALUES (?, ?)", [(link, name) for name in taken.names - known]
+    )
+    data.executemany(
+        "DELETE FROM uses WHERE link = ? AND name = ?",
+        [(link, name) for name in known - taken.names],
+    )
+
+
+def _copy_pins(data: sqlite3.Connection, origin: str, link: str) -> None:
+    select = "SELECT link, manifest, title FROM runs WHERE pinned_by = ? ORDER BY touched, link"
+    for pinned, manifest, title in data.execute(select, (origin,)).fetchall():
+        copy = new_link()
+        _insert(data, copy, manifest, link, title)
+        data.execute(
+            "INSERT INTO uses SELECT ?, name FROM uses WHERE link = ?",
+            (copy, pinned),
+        )
+
+
+def prune(data: sqlite3.Connection, limits: Limits) -> None:
+    """Let go of runs that are too old or too many, then of parts that belong to none."""
+    data.execute(
+        "DELETE FROM runs WHERE pinned_by IS NULL AND touched < ?",
+        (time.time() - limits.days * DAY_SECONDS,),
+    )
+    _drop_oldest(data, _count(data) - limits.runs)
+    _drop_unused(data)
+    while (count := _count(data)) > 1 and _size_bytes(data) > limits.size_bytes:
+        _drop_oldest(data, -(-count // OLDEST_SHARE))
+        _drop_unused(data)
+
+
+def _count(data: sqlite3.Connection) -> int:
+    return int(data.execute("SELECT count(*) FROM runs WHERE pinned_by IS NULL").fetchone()[0])
+
+
+def _size_bytes(data: sqlite3.Connection) -> int:
+    select = (
+        "SELECT (SELECT coalesce(sum(length(body)), 0) FROM parts)"
+        " + (SELECT coalesce(sum(length(manifest)), 0) FROM runs)"
+    )
+    return int(data.execute(select).fetchone()[0])
+
+
+def _drop_oldest(data: sqlite3.Connection, number: int) -> None:
+    data.execute(
+        "DELETE FROM runs WHERE link IN (SELECT link FROM runs WHERE pinned_by IS NULL "
+        "ORDER BY touched LIMIT ?)",
+        (max(0, number),),
+    )
+
+
+def _drop_unused(data: sqlite3.Connection) -> None:
+    data.execute("DELETE FROM parts WHERE name NOT IN (SELECT name FROM uses)")
