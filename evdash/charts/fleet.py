@@ -54,13 +54,20 @@ def fleet_table(
             "Due back": clock(outlook.times[record.request.deadline_interval], with_date=dated),
             "Asks, kWh": round(record.request.need_kwh, 1),
             "Got, kWh": round(record.delivered_kwh, 1),
-            "Done, %": int(100 * record.delivered_kwh / record.request.need_kwh + 1e-6),
+            "Done, %": _percent(record),
             "Now, kW": round(charging_kw.get(record.vehicle, 0.0), 1),
             "Pays, $": round(record.revenue, 2),
             "Why not": record.reason,
         }
         for record in records
     ]
+
+
+def _percent(record: VehicleRecord) -> int:
+    """Of what its contract is for, rounded down: 100 means all."""
+    if record.promised_kwh <= 0:
+        return 100
+    return int(100 * record.delivered_kwh / record.promised_kwh + 1e-6)
 
 
 def fleet_alt(records: Sequence[VehicleRecord], outlook: Outlook) -> str:

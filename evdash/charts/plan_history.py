@@ -39,7 +39,7 @@ def history_figure(history: PlanHistory, day: VehicleDay, outlook: Outlook) -> F
     words = spans(outlook)
     rows = len(made)
     height = min(TALLEST_PX, FRAME_PX + ROW_PX * max(LEAST_ROWS, rows))
-    numbered = day.request.deadline_interval - day.request.arrival_interval <= MOST_NUMBERS
+    numbered = day.due_interval - day.request.arrival_interval <= MOST_NUMBERS
     every = max(1, math.ceil(rows * ROW_PX / (height - FRAME_PX)))
     heat = {
         "type": "heatmap",

@@ -20,7 +20,6 @@ from evdash.charts.style import (
     clock,
     figure,
     now_shapes,
-    safe,
     spans,
     stamp,
     time_axis,
@@ -48,7 +47,7 @@ def vehicle_figure(day: VehicleDay, outlook: Outlook) -> Figure:
             _price(day, outlook),
             _least(day, outlook),
             _charged(day, outlook),
-            _promise(day, outlook),
+            *_promises(day, outlook),
         ],
         HEIGHT_PX,
         barmode="overlay",
@@ -58,7 +57,10 @@ def vehicle_figure(day: VehicleDay, outlook: Outlook) -> Figure:
         yaxis2=value_axis(
             "Battery, %",
             domain=SOC_DOMAIN,
-            range=[max(0.0, 100 * request.soc_in - 8), min(106.0, 100 * request.soc_out + 12)],
+            range=[
+                max(0.0, 100 * request.soc_in - 8),
+                min(106.0, 100 * max(request.soc_out, day.due_soc) + 12),
+            ],
             nticks=6,
         ),
         yaxis3=value_axis(
@@ -120,7 +122,7 @@ def window_axis(day: VehicleDay, outlook: Outlook) -> dict[str, Any]:
 def _ends(day: VehicleDay, outlook: Outlook) -> tuple[datetime, datetime]:
     least = outlook.times[1] - outlook.start
     begin = day.request.arrival
-    return begin, max(outlook.times[day.request.deadline_interval], begin + least)
+    return begin, max(outlook.times[_end(day)], begin + least)
 
 
 def _window(day: VehicleDay, outlook: Outlook) -> range:
@@ -128,7 +130,8 @@ def _window(day: VehicleDay, outlook: Outlook) -> range:
 
 
 def _end(day: VehicleDay) -> int:
-    return day.request.deadline_interval
+    """As first promised or as last agreed, whichever is later."""
+    return max(day.request.deadline_interval, day.due_interval)
 
 
 def _power(day: VehicleDay, outlook: Outlook, *, executed: bool) -> dict[str, Any]:
@@ -175,6 +178,12 @@ def _price_range(outlook: Outlook) -> list[float]:
     return [1.1 * min(0.0, low), 1.35 * max(high, 0.01)]
 
 
+def _battery_range(day: VehicleDay) -> list[float]:
+    """From what it came with to what it is to have, with room for the marks."""
+    most = max(day.request.soc_out, day.due_soc)
+    return [max(0.0, 100 * day.request.soc_in - 8), min(106.0, 100 * most + 12)]
+
+
 def _charged(day: VehicleDay, outlook: Outlook) -> dict[str, Any]:
     """The battery from arrival to the promised return, level until the first interval."""
     window = [*_window(day, outlook), _end(day)]
@@ -205,22 +214,36 @@ def _least(day: VehicleDay, outlook: Outlook) -> dict[str, Any]:
     }
 
 
-def _promise(day: VehicleDay, outlook: Outlook) -> dict[str, Any]:
+def _promises(day: VehicleDay, outlook: Outlook) -> list[dict[str, Any]]:
+    """What is due and when; and what was promised at first where an event changed it."""
     request = day.request
-    by = clock(outlook.times[request.deadline_interval], with_date=outlook.crosses_midnight)
-    word = "promised" if day.is_admitted else "asked for"
+    if not day.is_admitted:
+        look = {"symbol": "star-open", "size": 14, "color": VERMILLION}
+        return [_star(outlook, "asked for", request.deadline_interval, request.soc_out, look)]
+    first = (request.deadline_interval, request.soc_out)
+    due = (day.due_interval, day.due_soc)
+    look = {"symbol": "star", "size": 14, "color": GREEN}
+    if due == first:
+        return [_star(outlook, "promised", *first, look)]
+    past = {"symbol": "star-open", "size": 12, "color": OUTLINE}
+    return [
+        _star(outlook, "promised at first", *first, past),
+        _star(outlook, "agreed since", *due, look),
+    ]
+
+
+def _star(
+    outlook: Outlook, word: str, interval: int, soc: float, look: dict[str, Any]
+) -> dict[str, Any]:
+    by = clock(outlook.times[interval], with_date=outlook.crosses_midnight)
     return {
         "type": "scatter",
         "mode": "markers",
-        "name": safe(f"{100 * request.soc_out:.0f} % {word} by {by}"),
+        "name": f"{100 * soc:.0f} % {word} by {by}",
         "yaxis": "y2",
-        "x": [stamp(outlook.times[request.deadline_interval])],
-        "y": [round(100 * request.soc_out, 3)],
-        "marker": {
-            "symbol": "star" if day.is_admitted else "star-open",
-            "size": 14,
-            "color": GREEN if day.is_admitted else VERMILLION,
-        },
+        "x": [stamp(outlook.times[interval])],
+        "y": [round(100 * soc, 3)],
+        "marker": look,
         "cliponaxis": False,
         "hovertemplate": "%{y:.0f} % by %{x}<extra></extra>",
     }

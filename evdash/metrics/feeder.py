@@ -13,6 +13,7 @@ from evdash.domain.outlook import Outlook
 from evdash.domain.trace import Trace
 from evdash.grid.lindistflow import base_injections, line_flows, with_station
 from evdash.grid.radial import radial_feeder
+from evdash.metrics.breaches import in_force_only
 from evdash.metrics.outlook import spans_in_force
 
 Cause = Literal["station", "both", "feeder"]
@@ -83,13 +84,10 @@ def tightest(trace: Trace, interval: int, most: int) -> tuple[tuple[str, float],
     return tuple((inputs.rows.elements[row], float(room_kw[row])) for row in order[:most])
 
 
-def linear_breaches(trace: Trace, outlook: Outlook) -> tuple[Breach, ...]:
+def day_breaches(trace: Trace, outlook: Outlook) -> tuple[Breach, ...]:
     """Limits exceeded in the linearised model: executed, and planned from now on."""
-    found = []
-    for inputs, span in spans_in_force(trace):
-        breaches = FeederCheck(inputs.scenario).breaches(outlook.station_kw)
-        found += [breach for breach in breaches if span.start <= breach.interval < span.stop]
-    return tuple(found)
+    station_kw = outlook.station_kw
+    return in_force_only(trace, lambda scenario: FeederCheck(scenario).breaches(station_kw))
 
 
 def violations(breaches: Iterable[Breach]) -> tuple[Violation, ...]:

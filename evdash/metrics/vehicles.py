@@ -1,18 +1,21 @@
 """One vehicle's day, read off a trace: power, state of charge, cost, and its plan as revised."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.domain.trace import Trace
 from evdash.domain.vehicles import Request
+from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.records import VehicleRecord, vehicle_records
 
 
 @dataclass(frozen=True, slots=True)
 class VehicleDay:
     """Executed before `now`, planned from then on.
+
+    `terms` is what the station last agreed with its driver; None if it was refused.
 
     Shapes: power_kw, grid side, (intervals,); soc and least_soc, shares of the battery at the
     beginning of each interval and at the end of the last, (intervals + 1,). Below `least_soc`
@@ -26,6 +29,7 @@ class VehicleDay:
     soc: Floats
     least_soc: Floats
     energy_cost: float
+    terms: LedgerEntry | None
 
     @property
     def request(self) -> Request:
@@ -36,9 +40,22 @@ class VehicleDay:
         return self.record.status != "refused"
 
     @property
+    def due_interval(self) -> int:
+        """The first interval too late for it: as last agreed, or as asked for in vain."""
+        return self.terms.revised_by_interval if self.terms else self.request.deadline_interval
+
+    @property
+    def due_soc(self) -> float:
+        """State of charge it is to leave with: as last agreed, or as asked for in vain."""
+        if self.terms is None or self.terms.revised_kwh == self.request.need_kwh:
+            return self.request.soc_out
+        return self.request.soc_in + self.terms.revised_kwh * soc_per_kwh(self.request)
+
+    @property
     def share_delivered(self) -> float:
         """How much of the energy promised it has, 0 to 1."""
-        return self.record.delivered_kwh / self.request.need_kwh
+        promised = self.record.promised_kwh
+        return self.record.delivered_kwh / promised if promised > 0 else 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,15 +85,18 @@ def vehicle_day(trace: Trace, vehicle: str) -> VehicleDay:
         if contract.vehicle == vehicle:
             power_kw[trace.now :] = tail_kw
     request = record.request
+    terms = {entry.vehicle: entry for entry in ledger(trace)}.get(vehicle)
     charged_kwh = np.concatenate([[0.0], np.cumsum(power_kw) * hours])
-    return VehicleDay(
+    day = VehicleDay(
         record=record,
         now=trace.now,
         power_kw=power_kw,
         soc=request.soc_in + charged_kwh * soc_per_kwh(request),
-        least_soc=least_soc(request, trace.scenario.intervals, hours),
+        least_soc=np.full(trace.scenario.intervals + 1, request.soc_in),
         energy_cost=cost,
+        terms=terms,
     )
+    return replace(day, least_soc=least_soc(day, hours))
 
 
 def soc_per_kwh(request: Request) -> float:
@@ -84,13 +104,14 @@ def soc_per_kwh(request: Request) -> float:
     return (request.soc_out - request.soc_in) / request.need_kwh
 
 
-def least_soc(request: Request, intervals: int, hours: float) -> Floats:
+def least_soc(day: VehicleDay, hours: float) -> Floats:
     """SOC from which full power up to the promised time still just keeps the promise.
 
-    Shape (intervals + 1,); never below the SOC on arrival, soc_out from the promised time on.
+    Shape (intervals + 1,); never below the SOC on arrival, what is due from the due time on.
     """
-    left_h = np.maximum(0, request.deadline_interval - np.arange(intervals + 1)) * hours
-    late = request.soc_out - left_h * request.max_kw * soc_per_kwh(request)
+    request = day.request
+    left_h = np.maximum(0, day.due_interval - np.arange(len(day.soc))) * hours
+    late = day.due_soc - left_h * request.max_kw * soc_per_kwh(request)
     return np.asarray(np.maximum(request.soc_in, late))
 
 

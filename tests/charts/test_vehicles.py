@@ -10,8 +10,10 @@ import pytest
 from evdash.charts.fleet import fleet_alt, fleet_figure, fleet_table
 from evdash.charts.plan_history import history_alt, history_figure, history_table
 from evdash.charts.vehicle import vehicle_alt, vehicle_figure, vehicle_table
+from evdash.domain.events import Event
 from evdash.domain.trace import Trace
-from evdash.horizon.day import run_day, start_day
+from evdash.horizon.day import run_day, start_day, step
+from evdash.horizon.happen import happen
 from evdash.metrics.outlook import outlook
 from evdash.metrics.records import executed_power, vehicle_records
 from evdash.metrics.vehicles import charging_kw, plan_history, vehicle_day
@@ -127,6 +129,19 @@ def test_one_vehicles_bars_and_battery_are_its_day(traces) -> None:
     assert len(rows) == day.request.deadline_interval - day.request.arrival_interval
     assert sum(row["Power, kW"] for row in rows) == pytest.approx(day.power_kw.sum(), abs=0.05)
     assert name in vehicle_alt(day, ahead)
+
+
+def test_a_promise_changed_on_the_way_is_shown_beside_the_first() -> None:
+    one = vehicle("a", need_kwh=12.0, option="C2")
+    trace = step(start_day(make_scenario(price=[0.1] * 6, vehicles=[one])), p1_policy())
+    leaves = Event(interval=1, event="leaves_early", subject="a", until_interval=2)
+    trace = happen(trace, (leaves,))
+    figure = vehicle_figure(vehicle_day(trace, "a"), outlook(trace))
+    first, since = figure["data"][-2:]
+    assert first["name"] == "75 % promised at first by 03:00"
+    assert since["x"] == ["2024-05-06T02:00"]
+    assert first["marker"]["symbol"] != since["marker"]["symbol"]
+    assert "agreed since by 02:00" in since["name"]
 
 
 def test_a_refused_vehicle_keeps_the_battery_it_came_with(traces) -> None:

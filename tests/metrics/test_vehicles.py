@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from evdash.domain.events import Event
 from evdash.domain.trace import Trace
 from evdash.horizon.day import run_day, start_day, step
+from evdash.horizon.happen import happen
 from evdash.metrics.records import executed_power, vehicle_records
 from evdash.metrics.totals import totals
 from evdash.metrics.vehicles import (
     charging_kw,
-    least_soc,
     plan_history,
     vehicle_day,
 )
@@ -60,8 +61,8 @@ def test_the_cost_is_of_what_was_drawn_at_the_prices_in_force(begun: Trace) -> N
 
 
 def test_below_the_least_soc_full_power_is_too_late(begun: Trace) -> None:
-    request = vehicle_day(begun, "one").request
-    least = least_soc(request, 6, 1.0)
+    day = vehicle_day(begun, "one")
+    request, least = day.request, day.least_soc
     per_hour = request.max_kw * 0.8 / request.battery_kwh
     deadline = request.deadline_interval
     assert least[deadline:] == pytest.approx(request.soc_out)
@@ -113,3 +114,26 @@ def test_charging_now_is_the_last_interval(begun: Trace) -> None:
     last = {who: kw for t, who, kw in executed_power(begun) if t == 1}
     assert charging_kw(begun) == last
     assert charging_kw(start_day(begun.scenario)) == {}
+
+
+def test_what_was_agreed_since_counts_as_due() -> None:
+    """It asks for 3 kWh more, or leaves an hour early: need, battery and due time follow."""
+    one = vehicle("a", need_kwh=12.0, option="C2")
+    trace = step(start_day(make_scenario(price=[0.1] * 6, vehicles=[one])), p1_policy())
+    first = vehicle_day(trace, "a")
+    assert first.due_interval == 3
+    asked = Event(interval=1, event="asks_more", subject="a", value=3.0)
+    more = vehicle_day(happen(trace, (asked,)), "a")
+    assert more.due_soc - first.due_soc == pytest.approx(3.0 / more.request.battery_kwh)
+    assert more.least_soc[3] == more.soc[3] == pytest.approx(more.due_soc)
+    assert more.share_delivered == pytest.approx(more.record.delivered_kwh / 15.0)
+    leaves = Event(interval=1, event="leaves_early", subject="a", until_interval=2)
+    early = vehicle_day(happen(trace, (leaves,)), "a")
+    assert early.due_interval == 2
+    assert early.least_soc[2] == pytest.approx(early.due_soc)
+
+
+def test_the_dues_of_who_was_refused_are_what_it_asked_for(begun: Trace) -> None:
+    day = vehicle_day(begun, "never")
+    assert day.terms is None
+    assert (day.due_interval, day.due_soc) == (day.request.deadline_interval, day.request.soc_out)

@@ -6,7 +6,7 @@ from evdash.charts.ac_gap import ac_gap_alt, ac_gap_figure, ac_gap_table
 from evdash.charts.headroom import headroom_alt, headroom_figure, headroom_table
 from evdash.charts.voltage_map import MapWay, map_figure
 from evdash.charts.voltages import voltages_alt, voltages_table
-from evdash.metrics.feeder import gaps, linear_breaches, violations
+from evdash.metrics.feeder import day_breaches, gaps, violations
 from evdash.ui.feeder.findings import WAYS, ac_points, ac_voltages, layout_in
 from evdash.ui.feeder.words import (
     element_names,
@@ -108,7 +108,7 @@ def limits_exceeded(session: Session) -> None:
     """Violations, those of the station and those of the feeder told apart."""
     trace, ahead = session.run.trace, view(session)
     points = ac_points(session)
-    linear = session.once("linear", lambda: violations(linear_breaches(trace, ahead)))
+    linear = session.once("linear", lambda: violations(day_breaches(trace, ahead)))
     ac = session.once(
         "ac_violations",
         lambda: violations(breach for t in sorted(points) for breach in points[t].breaches),

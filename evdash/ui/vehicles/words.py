@@ -53,7 +53,33 @@ def contract_lines(day: VehicleDay, scenario: Scenario, outlook: Outlook) -> lis
             f"**Answer: no.** It would have been due back by {by} and paid "
             f"{money(request.revenue)}.",
         ]
-    return [asked, _promise(day, by, outlook), _so_far(day)]
+    return [asked, _promise(day, by, outlook), *ledger_lines(day, outlook), _so_far(day)]
+
+
+def ledger_lines(day: VehicleDay, outlook: Outlook) -> list[str]:
+    """What events changed in the contract since; nothing where it stands as made."""
+    if day.terms is None:
+        return []
+    lines = []
+    for change in day.terms.changes:
+        by = clock(outlook.times[change.deadline_interval], outlook)
+        told = [f"{change.promised_kwh:.1f}\u00a0kWh by {by}"]
+        if change.more_kwh > TOLD_KWH:
+            told.append(f"{change.more_kwh:.1f}\u00a0kWh more than before")
+        if change.more_kwh < -TOLD_KWH:
+            told.append(f"{-change.more_kwh:.1f}\u00a0kWh given up by its driver")
+        if change.short_kwh > TOLD_KWH:
+            told.append(f":red[**{change.short_kwh:.1f}\u00a0kWh of it cannot be kept**]")
+        if change.short_kwh < -TOLD_KWH:
+            told.append(f"{-change.short_kwh:.1f}\u00a0kWh made good again")
+        at = clock(outlook.times[change.interval], outlook)
+        lines.append(f"**Changed** at {at}, because {plain(change.text)}: {', '.join(told)}.")
+    if day.terms.short_kwh > 0:
+        lines.append(
+            f":red[:material/warning: **Short by {day.terms.short_kwh:.1f}\u00a0kWh** of the "
+            f"{day.terms.revised_kwh:.1f}\u00a0kWh agreed.]"
+        )
+    return lines
 
 
 def _promise(day: VehicleDay, by: str, outlook: Outlook) -> str:
@@ -62,19 +88,19 @@ def _promise(day: VehicleDay, by: str, outlook: Outlook) -> str:
     pays = day.record.revenue
     return (
         f"**Promised** at {admitted}: all of it **by {by}**. It pays **{money(pays)}**"
-        f"{'' if day.record.status != 'broken' else ', for what it got'}."
+        f"{', for what it got' if day.record.status in ('broken', 'released') else ''}."
     )
 
 
 def _so_far(day: VehicleDay) -> str:
     record = day.record
-    got = f"{record.delivered_kwh:.1f} of {record.request.need_kwh:.1f}\u00a0kWh"
+    got = f"{record.delivered_kwh:.1f} of {record.promised_kwh:.1f}\u00a0kWh"
     share = int(100 * day.share_delivered + 1e-6)
     cost = f"its energy cost the station {money(day.energy_cost)} so far"
     if record.status == "charged":
         left = record.revenue - day.energy_cost
         return (
-            f"**Done:** it has all {record.request.need_kwh:.1f}\u00a0kWh. The energy cost the "
+            f"**Done:** it has all {record.promised_kwh:.1f}\u00a0kWh. The energy cost the "
             f"station {money(day.energy_cost)}; {money(left)} of what it pays is left."
         )
     return f"**So far** {got} delivered ({share}\u00a0%); {cost}."
@@ -90,13 +116,13 @@ def change_lines(trace: Trace, vehicle: str, outlook: Outlook) -> list[tuple[int
     """Every interval in which its plan was changed, and how, latest first."""
     lines = []
     for last, step in zip(trace.steps, trace.steps[1:], strict=False):
-        names = tuple(contract.vehicle for contract in step.before.contracts)
-        if vehicle in names:
-            row = names.index(vehicle)
+        names = tuple(contract.vehicle for contract in last.after.contracts)
+        if vehicle in names and vehicle in step.plan.vehicles:
+            before, after = names.index(vehicle), step.plan.vehicles.index(vehicle)
             moves = moves_between(
                 (vehicle,),
-                last.after.tail_kw[row : row + 1],
-                step.plan.power_kw[row : row + 1],
+                last.after.tail_kw[before : before + 1],
+                step.plan.power_kw[after : after + 1],
                 step.interval,
                 trace.scenario.interval_hours,
             )
