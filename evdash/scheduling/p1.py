@@ -67,7 +67,9 @@ def plan_of(
     admitted, power_kw = solution.admitted, cleaned(problem, solution.admitted, solution.power_kw)
     if problem.tail_objective <= problem.objective(admitted, power_kw):
         admitted, power_kw = _contracts_only(problem), problem.tail_kw
-    bound = min(solution.bound, problem.objective(admitted, power_kw))
+    reached = problem.objective(admitted, power_kw)
+    # a bound that a point undercuts by more than the cent of proof is none
+    bound = min(solution.bound, reached) if solution.bound <= reached + OPTIMALITY_USD else -np.inf
     left = max(0.5, seconds - (time.perf_counter() - began))
     power_kw = _earlier(problem, admitted, power_kw, bound, left)
     objective = problem.objective(admitted, power_kw)

@@ -6,6 +6,7 @@ of the feeder, a charger or a window given up for it.
 """
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,14 +17,26 @@ from evdash.domain.plan import Snapshot
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH
 from evdash.errors import ImpossibleCommitments, Shortfall, SolverFailure
 from evdash.scheduling.clean import cleaned
-from evdash.scheduling.equations import RECOURSE, RECOURSE_OBJECTIVES, Equation, Model, build
+from evdash.scheduling.equations import (
+    RECOURSE,
+    RECOURSE_OBJECTIVES,
+    Equation,
+    Model,
+    build,
+    fewest_vehicles_short,
+    least_money,
+)
 from evdash.scheduling.equations import least_given_up as most_granted
 from evdash.scheduling.problem import Problem, contracts_problem
 from evdash.scheduling.reference import minimise_with_highs, power_of
 
 SECONDS = 20.0
+SECONDS_A_TIE = 4.0
+"""For each of the objectives after the first, which only choose among equal shortfalls."""
 HAIR = 1e-6
 """How far above its least an objective may end for the sake of those after it, kWh or count."""
+GAPS: Mapping[Equation, float] = {fewest_vehicles_short: 0.5, least_money: 0.005}
+"""What proves the least of an objective that is not in kWh: a count, or half a cent."""
 NOTICED_KWH = 10 * ENERGY_TOLERANCE_KWH
 """Shortfall below this is the solver's tolerance and none."""
 
@@ -49,10 +62,13 @@ def least_shortfall(problem: Problem, seconds: float = SECONDS) -> Recourse:
     model = build(problem, RECOURSE, "recourse")
     proven, power = False, problem.tail_kw
     for objective in RECOURSE_OBJECTIVES:
-        if objective is not RECOURSE_OBJECTIVES[0] and _nothing_missing(problem, power):
-            break
+        left = max(0.5, ends - time.perf_counter())
+        if objective is not RECOURSE_OBJECTIVES[0]:
+            left = min(left, SECONDS_A_TIE)
+            if _nothing_missing(problem, power):
+                break
         try:
-            least = _minimised(model, objective, max(0.5, ends - time.perf_counter()))
+            least = _minimised(model, objective, left)
         except SolverFailure:
             if objective is RECOURSE_OBJECTIVES[0]:
                 raise
@@ -67,7 +83,7 @@ def least_shortfall(problem: Problem, seconds: float = SECONDS) -> Recourse:
 def _minimised(model: Model, objective: Equation, seconds: float) -> float:
     """The least value of an objective within what is held already."""
     objective(model)
-    minimise_with_highs(model, seconds, absolute_gap=0.0)
+    minimise_with_highs(model, seconds, absolute_gap=GAPS.get(objective, HAIR / 10))
     return float(pulp.value(model.lp.objective) or 0.0)
 
 
