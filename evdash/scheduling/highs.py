@@ -146,15 +146,18 @@ class Session:
         count = len(self.everything)
         self.solver.changeColsIntegrality(count, self.everything, kinds)
         self.solver.run()
-        outcome = self._integer_outcome()
+        outcome = self._integer_outcome(bool(kinds.any()))
         self.solver.changeColsIntegrality(count, self.everything, np.zeros_like(kinds))
         return outcome
 
-    def _integer_outcome(self) -> MilpOutcome:
+    def _integer_outcome(self, branching: bool) -> MilpOutcome:
         if self.infeasible:
             return MilpOutcome(None, np.inf)
         info = self.solver.getInfo()
         bound = info.mip_dual_bound  # −inf after a run that met its target
+        if not branching:  # an LP, for which HiGHS sets no such bound
+            optimal = self.solver.getModelStatus() == highspy.HighsModelStatus.kOptimal
+            bound = info.objective_function_value if optimal else -np.inf
         if info.primal_solution_status != highspy.SolutionStatus.kSolutionStatusFeasible:
             return MilpOutcome(None, bound)
         return MilpOutcome(np.array(self.solver.getSolution().col_value), bound)

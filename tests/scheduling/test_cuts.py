@@ -11,6 +11,8 @@ from evdash.scheduling.fast.charges import charges_of
 from evdash.scheduling.fast.relaxation import Relaxation, relaxation_of
 from evdash.scheduling.fast.relevance import charger_slots
 from evdash.scheduling.fast.rounding import violated_cuts
+from evdash.scheduling.fast.solver import search_over
+from evdash.scheduling.fast.tree import Duals
 from evdash.scheduling.problem import Problem
 from tests.scheduling.problems import random_problem
 
@@ -88,9 +90,12 @@ def test_no_schedule_of_a_vehicle_violates_a_cut(everywhere):
     assert found > 200
 
 
-def integer_point(problem: Problem, rng: np.random.Generator) -> tuple[Floats, Floats, Floats]:
+def integer_point(
+    problem: Problem, rng: np.random.Generator, price: Floats | None = None
+) -> tuple[Floats, Floats, Floats]:
     """An integer-feasible point of P1, extreme in a random direction: u, D, P.
 
+    With a `price` of each slot, (slots,), random only in u and cheapest beyond it.
     Written out for scipy on its own, sharing nothing with the solver.
     """
     n, t = problem.n_vehicles, problem.n_slots
@@ -118,7 +123,9 @@ def integer_point(problem: Problem, rng: np.random.Generator) -> tuple[Floats, F
     open_slots = problem.window.ravel().astype(float)
     top = np.concatenate([np.ones(n), open_slots, open_slots * np.repeat(problem.high_kw, t)])
     bottom = np.where(np.arange(size) < problem.n_contracts, 1.0, 0.0)
-    cost = np.concatenate([rng.normal(-2, 4, n), rng.normal(0, 1, n * t), rng.normal(0, 1, n * t)])
+    by_slot = rng.normal(0, 1, n * t) if price is None else np.tile(price, n)
+    by_charger = rng.normal(0, 1, n * t) if price is None else np.zeros(n * t)
+    cost = np.concatenate([rng.normal(-2, 4, n), by_charger, by_slot])
     result = milp(
         cost,
         constraints=LinearConstraint(np.array(rows), lower, upper),
@@ -153,6 +160,32 @@ def test_integer_points_satisfy_every_row_and_cut(seed):
             assert (point >= program.lower - 1e-6).all()
             assert (point <= program.upper + 1e-5).all()
             assert (cut_matrix @ point >= cut_lower - 1e-5).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_duals_price_no_choice_of_contracts_too_high(seed):
+    rng, tight = np.random.default_rng([13, seed]), 0
+    for _ in range(40):
+        problem = random_problem(rng, max_vehicles=6, max_slots=5)
+        relaxation = relaxed(problem, everywhere=False)
+        at, program = relaxation.columns, relaxation.program
+        search = search_over(relaxation, 60.0)
+        n, duals = problem.n_vehicles, Duals(np.empty((6, problem.n_vehicles)), np.empty(6))
+        contract = np.arange(n) < problem.n_contracts
+        for _ in range(6):
+            decided, value = rng.random(n) < 0.4, rng.integers(0, 2, n)
+            lower = np.where(contract | (decided & (value == 1)), 1.0, 0.0)
+            upper = np.where(~contract & decided & (value == 0), 0.0, program.upper[at.u])
+            search.session.bound(at.u, np.minimum(lower, upper), upper)
+            point = search.relaxed(4)
+            if point is not None:
+                duals.learn(point.values[at.u], point.reduced_cost[at.u], point.objective)
+        for _ in range(4):
+            u, _, p = integer_point(problem, rng, problem.price_per_kwh * problem.interval_hours)
+            cost = problem.objective(u > 0.5, p)
+            assert duals.bound(u, u) <= cost + 1e-4
+            tight += duals.bound(u, u) > cost - 0.5
+    assert tight > 20
 
 
 def test_chargers_are_dropped_only_where_they_cannot_bind():

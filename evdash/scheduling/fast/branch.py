@@ -1,5 +1,6 @@
-"""Branch and bound over what is left open: one call of HiGHS for recourse and the full problem."""
+"""Branch and bound by HiGHS over what is left open: for master, recourse and the full problem."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,10 @@ from evdash.domain.limits import Floats
 from evdash.scheduling.fast.search import Search
 from evdash.scheduling.highs import SEMI_CONTINUOUS, WHOLE, Kinds, LpPoint, MilpOutcome
 from evdash.scheduling.problem import Bools
+
+GAP_USD = 0.004
+HAIR_USD = 1e-7
+"""Keeps the best point itself from being ruled out by rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,3 +87,28 @@ def settled_by_reduced_costs(search: Search, root: LpPoint, allowed: float) -> S
     lower[free & (-reduced > allowed)] = 1.0
     off = cost_of_running(search, root.reduced_cost) > allowed
     return Settled(off, np.zeros_like(off), lower, upper)
+
+
+def by_guessing(
+    lp_objective: float,
+    guesses: Sequence[float],
+    best: Callable[[], float],
+    attempt: Callable[[float], float],
+) -> float:
+    """A bound from guesses how far above an LP the optimum lies; all in $.
+
+    Reduced costs settle what a guess rules out, which leaves little to branch over. `attempt`
+    solves with what is dearer than its argument ruled out, and returns the bound proven: one
+    below that argument holds altogether, else the optimum lies beyond and the next guess is
+    wider. `best` is the cost of the best point known.
+    """
+    bound = lp_objective
+    for guess in guesses:
+        beyond = min(lp_objective + guess, best())
+        if beyond <= bound:
+            continue
+        proven = attempt(beyond)
+        bound = max(bound, min(proven, beyond))
+        if proven < beyond:
+            break
+    return bound

@@ -2,14 +2,16 @@
 
 import numpy as np
 
-from evdash.scheduling.fast.branch import branch, settled_by_reduced_costs
+from evdash.scheduling.fast.branch import (
+    GAP_USD,
+    HAIR_USD,
+    branch,
+    settled_by_reduced_costs,
+)
 from evdash.scheduling.fast.search import Search
 from evdash.scheduling.highs import LpPoint
 
-GAP_USD = 0.004
 NODES = 1000
-HAIR_USD = 1e-7
-"""Keeps the best point itself from being ruled out by rounding."""
 
 
 def everything_open(search: Search, root: LpPoint) -> None:

@@ -5,39 +5,66 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.domain.limits import Floats
-from evdash.scheduling.fast.branch import Settled, branch
+from evdash.scheduling.fast.branch import (
+    GAP_USD,
+    HAIR_USD,
+    Settled,
+    branch,
+    by_guessing,
+    cost_of_running,
+)
 from evdash.scheduling.fast.search import CUT_ROUNDS, RUNNING_KW, Search
 from evdash.scheduling.highs import LpPoint
+from evdash.scheduling.problem import TIE_USD
 from evdash.scheduling.rows import Indices
 
 NODES = 500
 DIVES = 12
+GUESSES_USD = (0.1, np.inf)
 
 
-def schedule_for(search: Search, u: Floats) -> None:
-    """Offer the cheapest schedule found for contracts `u` (vehicles,), until one is proven.
+def schedule_for(search: Search, u: Floats) -> float:
+    """Offer the cheapest schedule found for contracts `u` (vehicles,); a bound on their cost, $.
 
     First the LP, then its conflicts rounded away, then branch and bound over the pairs the LP
-    uses; wider neighbourhoods took longer than the full problem.
+    uses, at last over all pairs; each only if the one before did not reach the LP's bound.
     """
     search.session.bound(search.relaxation.columns.u, u, u)
     lp = search.relaxed(CUT_ROUNDS)
     if lp is None:
-        return
-    rounded(search, lp, search.target)
-    if not search.proven and not search.out_of_time and lp.objective <= search.target:
-        around(search, u, lp)
+        return np.inf if search.session.infeasible else -np.inf
+    target = max(search.bound, lp.objective) + TIE_USD
+    rounded(search, lp, target)
+    if search.cost > target and not search.out_of_time:
+        around(search, u, lp, target)
+    if search.cost > target and not search.out_of_time:
+        return all_pairs(search, u, lp)
+    return lp.objective
 
 
-def around(search: Search, u: Floats, lp: LpPoint) -> None:
+def around(search: Search, u: Floats, lp: LpPoint, target: float) -> None:
     """Branch and bound near the LP's point: off where it is off, on where it is at the top."""
     at = search.relaxation.columns
     power = lp.values[: at.n_pairs]
     off = power <= RUNNING_KW
     on = power >= search.relaxation.charges.top_kw[at.vehicle] - RUNNING_KW
-    outcome = branch(search, Settled(off, on & ~off, u, u), nodes=NODES, target=search.target)
+    outcome = branch(search, Settled(off, on & ~off, u, u), nodes=NODES, target=target)
     if outcome.values is not None:
         search.offer(outcome.values)
+
+
+def all_pairs(search: Search, u: Floats, lp: LpPoint) -> float:
+    """Branch and bound over every pair not ruled out: a bound on the cost of contracts `u`, $."""
+
+    def attempt(beyond: float) -> float:
+        off = cost_of_running(search, lp.reduced_cost) > beyond - lp.objective + HAIR_USD
+        settled = Settled(off, np.zeros_like(off), u, u)
+        outcome = branch(search, settled, nodes=NODES, absolute_gap=GAP_USD)
+        if outcome.values is not None:
+            search.offer(outcome.values)
+        return outcome.bound
+
+    return by_guessing(lp.objective, GUESSES_USD, lambda: search.cost, attempt)
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,7 +41,7 @@ def relaxation_of(
     at = columns_of(problem, charges, charger_slots)
     rows = Rows()
     energy_owed(rows, at, charges)
-    charger_on(rows, at, charges)
+    charger_on(rows, at, charges, problem)
     power_only_under_contract(rows, at, charges, problem)
     feeder_limit(rows, at, charges, headroom_kw)
     charger_count(rows, at, problem, charger_slots)
@@ -73,12 +73,14 @@ def energy_owed(rows: Rows, at: Columns, charges: Charges) -> None:
     rows.add(len(n), 0.0, 0.0, (at.vehicle, pairs, 1.0), (n, at.u, -charges.owed_kw))
 
 
-def charger_on(rows: Rows, at: Columns, charges: Charges) -> None:
-    """(6a), (6b) low·D ≤ P ≤ p·D, D ≤ u."""
+def charger_on(rows: Rows, at: Columns, charges: Charges, problem: Problem) -> None:
+    """(6a), (6b) low·D ≤ P ≤ p·D, D ≤ u; contracts have the last as a bound."""
     pairs = np.flatnonzero(at.d >= 0)
     n, d, row = at.vehicle[pairs], at.d[pairs], np.arange(len(pairs))
     rows.add(len(row), -np.inf, 0.0, (row, pairs, 1.0), (row, d, -charges.top_kw[n]))
     rows.add(len(row), 0.0, np.inf, (row, pairs, 1.0), (row, d, -charges.low_kw[n]))
+    new = n >= problem.n_contracts
+    n, d, row = n[new], d[new], row[: new.sum()]
     rows.add(len(row), -np.inf, 0.0, (row, d, 1.0), (row, at.u[n], -1.0))
 
 

@@ -15,6 +15,7 @@ RUNNING_KW = 1e-7
 """Power that counts as running: above what the LP's tolerance leaves over."""
 POWER_TOLERANCE_KW = 1e-9
 CUT_ROUNDS = 12
+WHOLE_U = 1e-6
 
 
 @dataclass(slots=True)
@@ -87,3 +88,8 @@ class Search:
 
     def solution(self) -> Solution:
         return Solution(self.admitted, self.power_kw, self.bound)
+
+
+def is_whole(u: Floats) -> bool:
+    """Whether every request is admitted or refused, none by halves."""
+    return bool((np.abs(u - np.round(u)) <= WHOLE_U).all())
