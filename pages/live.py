@@ -10,6 +10,7 @@ from evdash.ui.toolbar import toolbar
 page.by_way_of_app("pages/live.py")
 session = current()
 controls.take_edits(session)
+voltages.ask(session)
 controls.sidebar(session, parts.view(session))
 toolbar(session)
 head.headline(session)

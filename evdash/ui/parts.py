@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pandas as pd
 import streamlit as st
 
+from evdash.charts.drawn import Drawn
 from evdash.charts.style import CONFIG, Figure
 from evdash.domain.outlook import Outlook
 from evdash.metrics.outlook import outlook
@@ -30,7 +31,7 @@ def chart(
 ) -> None:
     """A chart, drawn anew only for another trace or detail."""
     figure = session.once(f"figure:{name}", draw, detail=detail)
-    st.plotly_chart(figure, key=f"chart_{name}", config=CONFIG, alt=alt)
+    st.plotly_chart(Drawn(figure), key=f"chart_{name}", config=CONFIG, alt=alt)
 
 
 def table_below(

@@ -17,6 +17,7 @@ from evdash.metrics.ac import AcPoint, ac_point
 
 MOST_RESULTS = 5_000
 MOST_NETWORKS = 4
+MOST_DIGESTS = 64
 FIRST_PAGE_SECONDS = 1.0
 """Loading waits so long after the first page asked, so that its browser is served first."""
 
@@ -89,12 +90,32 @@ def _feeder_key(scenario: Scenario) -> Hashable:
     return scenario.feeder, scenario.nodes, scenario.lines
 
 
+class Digests:
+    """Digests of the latest scenarios' feeders: every node is hashed once, not at each step."""
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[int, tuple[Scenario, int]] = OrderedDict()
+
+    def of(self, scenario: Scenario) -> int:
+        """A digest of all that an AC power flow is built from."""
+        known = self._known.get(id(scenario))
+        if known is None:
+            known = (scenario, hash(_feeder_key(scenario)))
+            self._known[id(scenario)] = known  # holds the scenario, so that its id stays its own
+            while len(self._known) > MOST_DIGESTS:
+                self._known.popitem(last=False)
+        return known[1]
+
+
+digests = Digests()
+
+
 def _key(step: Step) -> Hashable:
     """All that an interval's AC state depends on."""
     scenario = step.inputs.scenario
     row = scenario.profile[step.interval]
     station_kw = round(step.station_kw, 9)
-    feeder = hash(_feeder_key(scenario))
+    feeder = digests.of(scenario)
     return feeder, scenario.station.node, row.load_pu, row.generation_pu, station_kw, step.interval
 
 

@@ -1,14 +1,17 @@
 """The charts say what the trace says; their specs are plain, valid and always the same."""
 
+import base64
 import json
 from datetime import datetime
 from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
+import plotly.io as pio
 import pytest
 
 from evdash.charts.admissions import admissions_alt, admissions_figure, admissions_table
+from evdash.charts.drawn import Drawn
 from evdash.charts.load import load_alt, load_table, normalised_figure, units_figure
 from evdash.charts.schedule import schedule_alt, schedule_figure, schedule_table
 from evdash.charts.voltages import (
@@ -267,3 +270,28 @@ def test_the_three_voltages_add_up(trace: Trace) -> None:
     assert np.allclose(with_charging, maps["voltages"], atol=2e-5)
     assert (maps["voltage drop"].max() > 1e-4) == bool(trace.steps)
     assert maps["voltage drop"].min() >= 0
+
+
+def test_what_is_handed_over_unchecked_is_what_plotly_itself_would_write(trace: Trace) -> None:
+    import streamlit  # noqa: F401 - registers the template
+
+    for name, drawn in figures(trace).items():
+        own = json.loads(pio.to_json(go.Figure(drawn)))
+        template = pio.templates["streamlit"].to_plotly_json()
+        given = json.loads(pio.to_json(Drawn(drawn).to_dict(), validate=False))
+        assert given["layout"].pop("template") == json.loads(json.dumps(template)), name
+        own["layout"].pop("template")
+        assert plainly(given) == plainly(own), name
+
+
+def plainly(value: Any) -> Any:
+    """Without plotly's shorthand for arrays of numbers, and colour scales by name or in full."""
+    if isinstance(value, dict) and "bdata" in value:
+        numbers = np.frombuffer(base64.b64decode(value["bdata"]), dtype=value["dtype"])
+        shape = [int(n) for n in str(value.get("shape", len(numbers))).split(",")]
+        return numbers.astype(float).reshape(shape).tolist()
+    if isinstance(value, dict):
+        return {key: plainly(one) for key, one in value.items() if key != "colorscale"}
+    if isinstance(value, list):
+        return [plainly(one) for one in value]
+    return value

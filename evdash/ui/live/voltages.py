@@ -25,6 +25,11 @@ AC_PATIENCE_SECONDS = 0.06
 """How long a page waits for the AC power flow of its latest step before it goes on without."""
 
 
+def ask(session: Session) -> None:
+    """Have the AC power flow of the latest step begun while the page is being put together."""
+    referee.findings(session.run.trace)
+
+
 def voltages(session: Session) -> None:
     """Nodal voltages with their limits, and what the AC power flow found."""
     ahead = view(session)
