@@ -123,6 +123,7 @@ def _executed_marks(history: PlanHistory, outlook: Outlook) -> dict[str, Any]:
         "type": "scatter",
         "mode": "markers",
         "name": "Carried out",
+        "showlegend": True,
         "x": [stamp(outlook.times[t] + place) for _, t in shown],
         "y": [y for y, _ in shown],
         "marker": {"symbol": "circle", "size": 8, "color": "#ffffff"}

@@ -5,9 +5,14 @@ import time
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from evdash.explain.refusals import explain_vehicle
+from evdash.explain.revisions import explain_revision
+from evdash.metrics.outlook import outlook
 from evdash.metrics.records import vehicle_records
 from evdash.ui.vehicles.choice import by_name
 from evdash.ui.vehicles.picked import VEHICLE
+from evdash.ui.vehicles.words import change_lines
+from evdash.ui.words import plain
 from tests.app.test_live_page import PRESETS, clicked, figures, opened, session
 
 PAGE = "pages/vehicles.py"
@@ -137,19 +142,26 @@ def test_another_vehicle_draws_another_chart_and_the_same_draws_none() -> None:
 
 
 def test_a_refusal_is_explained_in_the_background() -> None:
-    at = ended()
-    pick(at, "PEV-048")
-    assert told(at, "It would have been admitted")
+    at = clicked(vehicles_page(), "step", 19)
+    first = of_status(at, "refused")[0]
+    pick(at, first)
     assert "Answer: no" in texts(at)
+    explanation = explain_vehicle(session(at).run.trace, first)
+    assert told(at, plain(explanation.detail))
+    assert plain(explanation.remedy) in texts(at)
 
 
 def test_a_change_of_plan_is_explained_on_request() -> None:
     at = ended()
-    pick(at, "PEV-021")
-    assert "4.1" in texts(at)
-    at.selectbox(key="why_changed_at").set_value(18).run()
+    trace = session(at).run.trace
+    changes = {name: change_lines(trace, name, outlook(trace)) for name in of_status(at, "charged")}
+    name, lines = next((name, lines) for name, lines in changes.items() if lines)
+    pick(at, name)
+    assert lines[0][1] in texts(at)
+    interval = lines[0][0]
+    at.selectbox(key="why_changed_at").set_value(interval).run()
     assert not at.exception
-    assert told(at, "made room")
+    assert told(at, plain(explain_revision(trace, interval).text))
 
 
 def test_contract_words_carry_the_records_numbers() -> None:

@@ -172,14 +172,19 @@ def test_the_plans_history_is_a_line_a_decision(traces) -> None:
 def test_changes_of_a_plan_are_marked_where_they_are(traces) -> None:
     trace = traces["end"]
     ahead = outlook(trace)
-    history = plan_history(trace, "PEV-021")
-    figure = history_figure(history, vehicle_day(trace, "PEV-021"), ahead)
-    marks = named(figure, "More or less than before")
-    assert len(marks["x"]) > 0
-    for y, x, symbol in zip(marks["y"], marks["x"], marks["marker"]["symbol"], strict=True):
-        t = int((datetime.fromisoformat(x) - ahead.start).total_seconds() // 3600)
-        more = history.power_kw[y, t] > history.power_kw[y - 1, t]
-        assert symbol == ("triangle-up" if more else "triangle-down")
+    marked = 0
+    for record in vehicle_records(trace):
+        history = plan_history(trace, record.vehicle)
+        if len(history.decided) < 2:
+            continue
+        figure = history_figure(history, vehicle_day(trace, record.vehicle), ahead)
+        marks = named(figure, "More or less than before")
+        marked += len(marks["x"])
+        for y, x, symbol in zip(marks["y"], marks["x"], marks["marker"]["symbol"], strict=True):
+            t = int((datetime.fromisoformat(x) - ahead.start).total_seconds() // 3600)
+            more = history.power_kw[y, t] > history.power_kw[y - 1, t]
+            assert symbol == ("triangle-up" if more else "triangle-down")
+    assert marked > 0
 
 
 @pytest.mark.parametrize("name", ["x<b>bold</b>", "a$\\alpha$", "n&amp;"])

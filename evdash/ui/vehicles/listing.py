@@ -4,15 +4,17 @@ import pandas as pd
 import streamlit as st
 
 from evdash.charts.fleet import fleet_alt, fleet_figure, fleet_table
+from evdash.charts.style import CONFIG
 from evdash.domain.outlook import Outlook
 from evdash.metrics.records import VehicleRecord, vehicle_records
 from evdash.metrics.vehicles import charging_kw
-from evdash.ui.parts import chart, view
+from evdash.ui.parts import view
 from evdash.ui.session import Session
 from evdash.ui.vehicles.choice import GROUPS, ORDERS, Choice, chosen
-from evdash.ui.vehicles.picked import pick_clicked
+from evdash.ui.vehicles.picked import pick_clicked, pick_drawn
 from evdash.ui.vehicles.words import STATUS_CELLS, counted_line
 
+FLEET = "chart_fleet"
 TABLE_PX = 640
 COLUMNS = {
     "Vehicle": st.column_config.TextColumn(pinned=True),
@@ -26,8 +28,8 @@ COLUMNS = {
 }
 CHART_HELP = (
     "One line a vehicle. Outlined: from arrival to the promised return; crossed out: refused. "
-    "Solid: charged; hatched: planned; the thicker, the higher the power. Beyond 60 vehicles: "
-    "colour for power."
+    "Solid: charged; hatched: planned; the thicker, the higher the power. Click a bar to look at "
+    "that vehicle. Beyond 60 vehicles colour stands for power; pick from the table then."
 )
 
 
@@ -42,15 +44,26 @@ def listing(session: Session, picked: str) -> None:
     st.markdown(f"#### {counted_line(len(shown), len(records))}", help=CHART_HELP)
     drawn, told = st.tabs(["Chart", "Table"])
     with drawn:
-        chart(
-            session,
-            "fleet",
-            lambda: fleet_figure(trace, ahead, shown, picked),
-            fleet_alt(shown, ahead),
-            detail=(wish, picked),
-        )
+        _chart(session, shown, (wish, picked))
     with told:
         _table(session, shown, ahead)
+
+
+def _chart(session: Session, shown: tuple[VehicleRecord, ...], detail: tuple[Choice, str]) -> None:
+    """A line a vehicle; a click on it picks the vehicle."""
+    trace, ahead = session.run.trace, view(session)
+    figure = session.once(
+        "figure:fleet", lambda: fleet_figure(trace, ahead, shown, detail[1]), detail=detail
+    )
+    names = [record.vehicle for record in shown]
+    st.plotly_chart(
+        figure,
+        key=FLEET,
+        config=CONFIG,
+        alt=fleet_alt(shown, ahead),
+        on_select=lambda: pick_drawn(FLEET, names),
+        selection_mode="points",
+    )
 
 
 def _filters(session: Session) -> Choice:

@@ -35,3 +35,10 @@ def pick_clicked(key: str, vehicles: Sequence[str]) -> None:
     rows = st.session_state[key]["selection"]["rows"]
     if rows and rows[0] < len(vehicles):
         pick(vehicles[rows[0]])
+
+
+def pick_drawn(key: str, vehicles: Sequence[str]) -> None:
+    """Pick the line of a chart that was clicked: a point's y counts lines from the top."""
+    points = st.session_state[key]["selection"]["points"]
+    if points and 0 <= points[0]["y"] < len(vehicles):
+        pick(vehicles[int(points[0]["y"])])
