@@ -16,6 +16,7 @@ KEYS = {
     "profile.csv": ("interval",),
     "fleet.csv": ("model",),
     "arrivals.csv": ("vehicle",),
+    "events.csv": ("interval", "event", "subject"),
 }
 ABSENT = "–"
 
@@ -78,6 +79,7 @@ def _tables(scenario: Scenario) -> dict[str, Sequence[BaseModel]]:
         "nodes.csv": scenario.nodes,
         "lines.csv": scenario.lines,
         "profile.csv": scenario.profile,
+        "events.csv": scenario.events,
     }
     known = scenario.arrivals
     if isinstance(known, RecordedArrivals):

@@ -52,9 +52,12 @@ def until(trace: Trace, n_steps: int) -> Trace:
     """The day as it stood after `n_steps`; the day itself where it has not come so far."""
     if n_steps >= len(trace.steps):
         return trace
-    following = trace.steps[max(0, n_steps)]
+    following = trace.steps[n_steps]
     return Trace(
-        inputs=following.inputs, state=following.before, steps=trace.steps[: max(0, n_steps)]
+        inputs=following.inputs,
+        state=following.before,
+        steps=trace.steps[:n_steps],
+        happenings=tuple(h for h in trace.happenings if h.interval <= n_steps),
     )
 
 

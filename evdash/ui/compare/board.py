@@ -150,6 +150,14 @@ def _set_finishing(pins: Pins, finishing: bool) -> None:
     pins.finishing = finishing
 
 
+def _step(session: Session, pins: Pins, pin: Pin) -> None:
+    """One more interval of a pin; the present run goes along where it is pinned as it stands."""
+    together = pin.run.trace is session.run.trace
+    pins.step(pin.number)
+    if together:
+        session.take(next(p.run for p in pins.all if p.number == pin.number))
+
+
 def run_on(session: Session, pins: Pins) -> None:
     """Step whatever is not over, telling how far it is; a click stops between two steps."""
     if not pins.finishing:
@@ -159,7 +167,7 @@ def run_on(session: Session, pins: Pins) -> None:
         left = [pin for pin in pins.all if not pin.run.trace.is_over]
         held = held_together(session, pins)
         if left:
-            pins.step(left[0].number)
+            _step(session, pins, left[0])
         elif not session.run.trace.is_over:
             session.step()
         else:

@@ -10,6 +10,7 @@ from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.metrics.key_figures import common_steps, until
 from evdash.ui import run as runs
+from evdash.ui.edits import with_settings_kept
 from evdash.ui.run import Run
 from evdash.ui.session import Session
 from evdash.ui.settings import NETWORK_NAMES, changes
@@ -109,7 +110,8 @@ class Held:
 
     @property
     def scenario(self) -> Scenario:
-        return self.run.trace.scenario
+        """What another run of its day would begin with: its settings as they are now."""
+        return with_settings_kept(self.run.trace, self.run.opened)
 
 
 def held_together(session: Session, pins: Pins) -> list[Held]:

@@ -1,0 +1,155 @@
+"""The draft a tab is working on: what was typed so far, what it came from, what was said of it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import streamlit as st
+
+from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.errors import Fault, InputError
+from evdash.files.draft import Draft, Rows, draft_of, files_of, scenario_of
+from evdash.files.validate import Raw
+from evdash.ui.edits import with_settings_kept
+from evdash.ui.session import Session
+
+KEY = "evdash:draft"
+MOST_ROWS = 5_000
+MOST_INTERVALS = 1_000
+MOST_UNDONE = 10
+CAP = "more than the app takes at a time; the command line takes more"
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """What the page has to say of the last thing taken in."""
+
+    title: str
+    faults: tuple[Fault, ...] = ()
+
+
+class Editor:
+    """One tab's draft. Widgets never own it: what they return is laid over it at once.
+
+    `shown` is what each widget showed last, so that a difference is known for an edit;
+    `revision` of a table counts how often it was replaced from elsewhere, as a table editor
+    keeps only differences to what it was first given.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.base = scenario
+        self.draft = self.clean = draft_of(scenario)
+        self.shown: dict[str, object] = {}
+        self.bases: dict[str, Rows] = {}
+        self.grids: dict[str, list[dict[str, Any]]] = {}
+        self.revision = 0
+        self.said: Said | None = None
+        self.uploaded: set[str] = set()
+        self._before: list[Draft] = []
+        self._checked: tuple[Draft, Scenario | None, tuple[Fault, ...]] | None = None
+
+    @property
+    def is_edited(self) -> bool:
+        """Whether anything differs from the scenario the draft began from."""
+        return files_of(self.draft) != files_of(self.clean)
+
+    @property
+    def can_undo(self) -> bool:
+        return bool(self._before)
+
+    def take(self, draft: Draft, said: Said | None = None) -> None:
+        """Replace the draft as a whole; what it was can be had back."""
+        self._before = [*self._before, self.draft][-MOST_UNDONE:]
+        self._show(draft)
+        self.said = said
+
+    def undo(self) -> None:
+        """Back to before the last replacement."""
+        if self._before:
+            self._show(self._before.pop())
+            self.said = None
+
+    def follow(self, scenario: Scenario) -> None:
+        """Show another scenario as it is, and call it the one begun from."""
+        self.base, self.clean = scenario, draft_of(scenario)
+        self._before = []
+        self._show(self.clean)
+        self.said = None
+
+    def _show(self, draft: Draft) -> None:
+        self.draft = draft
+        self.revision += 1
+
+    def get(self, path: tuple[str, ...]) -> Any:
+        """The value of a key of scenario.toml; None where it is not there."""
+        node: Any = self.draft.settings
+        for part in path:
+            if not isinstance(node, dict) or part not in node:
+                return None
+            node = node[part]
+        return node
+
+    def set(self, path: tuple[str, ...], value: object) -> None:
+        """Lay a value over a key; None takes the key out."""
+        self.draft = self.draft.with_settings(_laid(self.draft.settings, path, value))
+
+    def set_rows(self, file: str, rows: Rows) -> None:
+        """Lay rows over a table."""
+        self.draft = self.draft.with_table(file, rows)
+
+    def check(self) -> tuple[Scenario | None, tuple[Fault, ...]]:
+        """The scenario the draft stands for, or every fault that keeps it from being one."""
+        if self._checked is None or self._checked[0] is not self.draft:
+            self._checked = (self.draft, *_checked(self.draft))
+        return self._checked[1:]
+
+
+def _laid(node: Raw, path: tuple[str, ...], value: object) -> Raw:
+    head, *rest = path
+    if rest:
+        inner = node.get(head)
+        return node | {head: _laid(inner if isinstance(inner, dict) else {}, tuple(rest), value)}
+    if value is None:
+        return {key: kept for key, kept in node.items() if key != head}
+    return node | {head: value}
+
+
+def _checked(draft: Draft) -> tuple[Scenario | None, tuple[Fault, ...]]:
+    faults = [
+        Fault(file, f"{len(rows):,} rows", f"at most {MOST_ROWS:,}: {CAP}")
+        for file, rows in draft.tables.items()
+        if len(rows) > MOST_ROWS
+    ]
+    if faults:
+        return None, tuple(faults)
+    try:
+        scenario = scenario_of(draft)
+    except InputError as error:
+        return None, error.faults
+    known = scenario.arrivals
+    if scenario.intervals > MOST_INTERVALS:
+        rule = f"at most {MOST_INTERVALS:,}: {CAP}"
+        faults.append(Fault("scenario.toml, intervals", f"{scenario.intervals:,}", rule))
+    if isinstance(known, GeneratedArrivals):
+        days = scenario.intervals * scenario.interval_hours / 24
+        if (expected := known.vehicles_per_day * days) > MOST_ROWS:
+            place = "scenario.toml, arrivals.vehicles_per_day"
+            found = f"{known.vehicles_per_day:,g}, or {expected:,.0f} vehicles in all"
+            faults.append(Fault(place, found, f"at most {MOST_ROWS:,} in all: {CAP}"))
+    return (None, tuple(faults)) if faults else (scenario, ())
+
+
+def current_editor(session: Session) -> Editor:
+    """This tab's draft. As long as nothing in it was edited it follows the present run."""
+    scenario = present_scenario(session)
+    if KEY not in st.session_state:
+        st.session_state[KEY] = Editor(scenario)
+    editor: Editor = st.session_state[KEY]
+    if not editor.is_edited and editor.base != scenario:
+        editor.follow(scenario)
+    return editor
+
+
+def present_scenario(session: Session) -> Scenario:
+    """What another run of the present day would begin with: its settings as they are now."""
+    run = session.run
+    return session.once("present", lambda: with_settings_kept(run.trace, run.opened))
