@@ -9,8 +9,10 @@ LEARN = [
     st.Page("pages/live.py", title="Live", icon=":material/bolt:", default=True),
     st.Page("pages/vehicles.py", title="Vehicles", icon=":material/directions_car:"),
     st.Page("pages/feeder.py", title="Feeder", icon=":material/account_tree:"),
+    st.Page("pages/model.py", title="Model", icon=":material/function:"),
 ]
 PLAN = [
+    st.Page("pages/scenario.py", title="Scenario", icon=":material/tune:"),
     st.Page("pages/compare.py", title="Compare", icon=":material/compare_arrows:"),
 ]
 shown = page.navigation({"Learn": LEARN, "Plan": PLAN})

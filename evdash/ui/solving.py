@@ -86,5 +86,8 @@ def fingerprint(snapshot: Snapshot) -> bytes:
     return digest.digest()
 
 
-policy: Policy = shared(p1_policy(), Turns(SLOTS))
+TURNS = Turns(SLOTS)
+policy: Policy = shared(p1_policy(), TURNS)
 """The paper's policy, shared by all sessions of this server."""
+study_policy: Policy = shared(p1_policy(), TURNS, most_plans=0)
+"""The same in the same turns; remembers nothing, as no day of a study comes twice."""

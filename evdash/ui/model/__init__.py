@@ -1,0 +1,1 @@
+"""The Model page: the mathematics with the run's own numbers, and what the paper reports."""
