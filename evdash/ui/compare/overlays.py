@@ -3,6 +3,7 @@
 import streamlit as st
 
 from evdash.charts.comparison import Compared, overlay_alt, overlay_figure, overlay_table
+from evdash.charts.drawn import Drawn
 from evdash.charts.style import CONFIG
 from evdash.files.differences import scenario_differences
 from evdash.metrics.outlook import outlook
@@ -64,7 +65,7 @@ def _chart(runs: list[Compared], title: str, key: str, quantities: tuple[str, ..
                 persist_state="session",
             )
     st.plotly_chart(
-        overlay_figure(runs, quantity),
+        Drawn(overlay_figure(runs, quantity)),
         key=f"chart_{key}",
         config=CONFIG,
         alt=overlay_alt(runs, quantity),

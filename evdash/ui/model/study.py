@@ -8,6 +8,7 @@ from functools import lru_cache
 import streamlit as st
 
 from evdash.charts.days import days_alt, days_figure
+from evdash.charts.drawn import Drawn
 from evdash.charts.style import CONFIG
 from evdash.domain.scenario import GeneratedArrivals, Scenario
 from evdash.files.days_file import MeasuredDays, processor, read_days
@@ -88,7 +89,7 @@ def study(session: Session) -> None:
         st.markdown(SAID)
     with chart:
         st.plotly_chart(
-            days_figure(series, published),
+            Drawn(days_figure(series, published)),
             key="chart_study",
             config=CONFIG,
             alt=days_alt(series),
