@@ -9,7 +9,7 @@ from evdash.ui.session import current
 
 page.by_way_of_app("pages/compare.py")
 session = current()
-pins = current_pins()
+pins = current_pins(session)
 board.pin_present(session, pins)
 board.pinned(session, pins)
 held = held_together(session, pins)

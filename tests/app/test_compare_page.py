@@ -5,12 +5,13 @@ from pathlib import Path
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from evdash.errors import StoreUnavailable
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
 from evdash.metrics.totals import totals
 from evdash.ui import run as runs
 from evdash.ui.compare.pins import KEY as PINS
-from evdash.ui.compare.pins import MOST_PINS, PRESENT, Pins, suggested_name
+from evdash.ui.compare.pins import MOST_PINS, PRESENT, Pins, is_alike, suggested_name
 from evdash.ui.session import KEY, Session
 from evdash.ui.solving import policy
 
@@ -123,6 +124,44 @@ def test_pins_outlive_a_change_of_page() -> None:
     at.switch_page("pages/compare.py").run()
     assert not at.exception
     assert [pin.number for pin in pins(at).all] == [1]
+
+
+def test_pins_are_there_again_after_a_reload() -> None:
+    at = opened()
+    press(day_of(at, 3), "pin")
+    press(day_of(at, 2, station__chargers=6), "pin")
+    at.text_input(key="rename:2").set_value("Six").run()
+    press(at, "finish_all")
+    assert not at.warning
+    link = session(at).keeper.link
+    kept = {pin.name: pin.run.trace for pin in pins(at).all}
+    again = AppTest.from_file(str(APP), default_timeout=60)
+    again.query_params["run"] = link
+    again.run()
+    again.switch_page("pages/compare.py").run()
+    assert not again.exception
+    back = {pin.name: pin.run.trace for pin in pins(again).all}
+    assert back.keys() == kept.keys() == {"Summer weekday", "Six"}
+    assert all(is_alike(back[name], kept[name]) for name in kept)
+    assert not is_alike(back["Six"], back["Summer weekday"])
+    assert again.button(key="pin").disabled  # the present run is pinned as it stands
+    number = next(pin.number for pin in pins(again).all if pin.name == "Six")
+    press(again, f"unpin_{number}")
+    third = AppTest.from_file(str(APP), default_timeout=60)
+    third.query_params["run"] = link
+    third.run()
+    third.switch_page("pages/compare.py").run()
+    assert [pin.name for pin in pins(third).all] == ["Summer weekday"]
+
+
+def test_pins_that_cannot_be_kept_say_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken() -> None:
+        raise StoreUnavailable("no room")
+
+    monkeypatch.setattr("evdash.ui.compare.pins.store", broken)
+    at = press(opened(), "pin")
+    assert "will not outlast this tab" in at.warning[0].value
+    assert len(pins(at).all) == 1
 
 
 def test_names_are_never_given_twice_and_pins_are_bounded() -> None:

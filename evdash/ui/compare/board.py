@@ -10,6 +10,7 @@ from evdash.ui.compare.pins import (
     Pin,
     Pins,
     held_together,
+    is_alike,
     suggested_name,
 )
 from evdash.ui.session import Session
@@ -26,7 +27,7 @@ INTRODUCTION = (
 def pin_present(session: Session, pins: Pins) -> None:
     """A name and a button to pin the present run."""
     run = session.run
-    pinned = any(pin.run.trace is run.trace for pin in pins.all)
+    pinned = any(is_alike(pin.run.trace, run.trace) for pin in pins.all)
     with st.container(horizontal=True, vertical_alignment="bottom", key="pin_present"):
         st.text_input(
             "Name for the present run",
@@ -54,6 +55,7 @@ def pin_present(session: Session, pins: Pins) -> None:
 
 def _pin(session: Session, pins: Pins) -> None:
     pins.add(str(st.session_state.get(NAME) or ""), session.run)
+    pins.keep(session)  # before the page is drawn, so that its address leads back here
     st.session_state[NAME] = ""
 
 
@@ -70,12 +72,15 @@ def pinned(session: Session, pins: Pins) -> None:
                 icon=":material/play_arrow:",
                 help="Pins the present run and runs its day again with half as many chargers.",
             )
+    if pins.said:
+        st.warning(plain(pins.said), icon=":material/save:")
     for pin in pins.all:
         _line(session, pins, pin)
 
 
 def _example(session: Session, pins: Pins) -> None:
     pins.add("", session.run)
+    pins.keep(session)
     half = session.run.trace.scenario.station.chargers // 2
     again = runs.restarted(session.run)
     session.take(runs.edited(again, "half the chargers", {"station.chargers": half}))
@@ -110,7 +115,7 @@ def _line(session: Session, pins: Pins, pin: Pin) -> None:
             args=(pin.run,),
             key=f"open_{pin.number}",
             icon=":material/open_in_new:",
-            disabled=trace is session.run.trace,
+            disabled=is_alike(trace, session.run.trace),
             help="Make it the present run, shown on all pages. The pin stays.",
         )
         st.button(
@@ -152,7 +157,7 @@ def _set_finishing(pins: Pins, finishing: bool) -> None:
 
 def _step(session: Session, pins: Pins, pin: Pin) -> None:
     """One more interval of a pin; the present run goes along where it is pinned as it stands."""
-    together = pin.run.trace is session.run.trace
+    together = is_alike(pin.run.trace, session.run.trace)
     pins.step(pin.number)
     if together:
         session.take(next(p.run for p in pins.all if p.number == pin.number))

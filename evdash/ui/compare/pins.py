@@ -1,16 +1,20 @@
-"""Runs set aside under a name. No Streamlit but for where the pins are kept."""
+"""Runs set aside under a name, kept on disk beside the run they were pinned from."""
 
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
 import streamlit as st
 
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
+from evdash.errors import StoreUnavailable
 from evdash.metrics.key_figures import common_steps, until
+from evdash.store.runs import Pin as KeptPin
 from evdash.ui import run as runs
 from evdash.ui.edits import with_settings_kept
+from evdash.ui.keeping import kept_form, run_of, store
 from evdash.ui.run import Run
 from evdash.ui.session import Session
 from evdash.ui.settings import NETWORK_NAMES, changes
@@ -31,12 +35,26 @@ class Pin:
     run: Run
 
 
+@dataclass(frozen=True, slots=True)
+class Shelved:
+    """A pin as it was kept last, and where."""
+
+    kept: KeptPin
+    pin: Pin
+
+
 class Pins:
-    """A tab's pins. As with the run, every change is one assignment under a lock."""
+    """A tab's pins. As with the run, every change is one assignment under a lock.
+
+    `said` is why they will not outlast the tab, if they will not.
+    """
 
     def __init__(self) -> None:
         self.all: tuple[Pin, ...] = ()
         self.finishing = False
+        self.said = ""
+        self._owner = ""
+        self._shelf: dict[int, Shelved] = {}
         self._given = 0
         self._lock = threading.Lock()
 
@@ -67,6 +85,50 @@ class Pins:
         """Decide one more interval of a pinned run."""
         self._replace(number, lambda pin: replace(pin, run=runs.stepped(pin.run, policy)))
 
+    def keep(self, session: Session) -> None:
+        """Have what is kept on disk say what is pinned; a run that goes on first finishes.
+
+        Another link of the present run, under which it was brought back or goes on as a copy,
+        has pins of its own: those are taken over.
+        """
+        try:
+            if self.all and not session.keeper.link:
+                session.keeper.keep(session.run)
+            owner = session.keeper.link
+            if owner and owner != self._owner:
+                self._take_over(owner)
+            if owner and not self.finishing:
+                self._shelve(owner)
+        except StoreUnavailable as error:
+            self.said = f"Pins will not outlast this tab. {error}"
+        else:
+            self.said = ""
+
+    def _take_over(self, owner: str) -> None:
+        """The pins kept beside a run; those made in this tab meanwhile come after them."""
+        found = []
+        for kept in store().pins(owner):
+            read = store().read(kept.link)
+            if read is not None:
+                self._given += 1
+                pin = Pin(self._given, kept.title, run_of(read[1]))
+                self._shelf[pin.number] = Shelved(kept, pin)
+                found.append(pin)
+        names = {pin.name for pin in found}
+        self.all = (*found, *(pin for pin in self.all if pin.name not in names))[:MOST_PINS]
+        self._owner = owner
+
+    def _shelve(self, owner: str) -> None:
+        pinned = {pin.number: pin for pin in self.all}
+        for number, shelved in list(self._shelf.items()):
+            if pinned.get(number) is not shelved.pin:
+                store().unpin(shelved.kept)
+                del self._shelf[number]
+        for number, pin in pinned.items():
+            if number not in self._shelf:
+                kept = store().pin(owner, kept_form(pin.run), pin.name)
+                self._shelf[number] = Shelved(kept, pin)
+
     def _replace(self, number: int, change: Callable[[Pin], Pin]) -> None:
         with self._lock:
             self.all = tuple(change(pin) if pin.number == number else pin for pin in self.all)
@@ -79,12 +141,30 @@ class Pins:
         return name if name not in taken else next(o for o in others if o not in taken)
 
 
-def current_pins() -> Pins:
-    """The pins of this tab."""
+def current_pins(session: Session) -> Pins:
+    """The pins of this tab, as they are kept beside its run."""
     if KEY not in st.session_state:
         st.session_state[KEY] = Pins()
     pins: Pins = st.session_state[KEY]
+    pins.keep(session)
     return pins
+
+
+def is_alike(a: Trace, b: Trace) -> bool:
+    """Whether two days stand the same: inputs, what was decided, and what is planned."""
+    if a is b:
+        return True
+    return (
+        a.now == b.now
+        and a.inputs.network == b.inputs.network
+        and a.inputs.given == b.inputs.given
+        and np.array_equal(a.state.tail_kw, b.state.tail_kw)
+        and all(
+            one.plan.vehicles == other.plan.vehicles
+            and np.array_equal(one.plan.power_kw, other.plan.power_kw)
+            for one, other in zip(a.steps, b.steps, strict=True)
+        )
+    )
 
 
 def suggested_name(run: Run) -> str:
@@ -117,7 +197,7 @@ class Held:
 def held_together(session: Session, pins: Pins) -> list[Held]:
     """All pins, and the present run unless it is pinned as it stands."""
     named = [(pin.name, pin.run) for pin in pins.all]
-    if all(run.trace is not session.run.trace for _, run in named):
+    if not any(is_alike(run.trace, session.run.trace) for _, run in named):
         named.append((PRESENT, session.run))
     counts = common_steps([run.trace for _, run in named])
     return [
