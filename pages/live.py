@@ -3,6 +3,7 @@
 import streamlit as st
 
 from evdash.ui import drive, page, parts
+from evdash.ui.events import ledger, panel
 from evdash.ui.live import controls, decision, head, panels, voltages
 from evdash.ui.session import current
 from evdash.ui.toolbar import toolbar
@@ -16,6 +17,8 @@ toolbar(session)
 head.headline(session)
 progress = st.container()
 head.answer(session)
+ledger.notice(session)
+panel.panel(session)
 head.key_figures(session)
 left, right = st.columns([2, 1], gap="medium")
 with left:
@@ -28,6 +31,7 @@ with left:
 with right:
     panels.load(session)
 voltages.voltages(session)
+ledger.ledger(session)
 with progress:
     drive.finish(session)
 drive.heartbeat(session)

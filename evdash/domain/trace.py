@@ -90,7 +90,8 @@ class Revision:
 class Happening:
     """Events known at the start of `interval`, the contracts they changed, and the state left.
 
-    `note` says where the least possible shortfall could not be proven.
+    `note` says what could not be done or found, `proven` whether it is sure that no schedule
+    misses less.
     """
 
     interval: int
@@ -98,6 +99,7 @@ class Happening:
     revisions: tuple[Revision, ...]
     after: State
     note: str = ""
+    proven: bool = True
 
     @property
     def short_kwh(self) -> float:

@@ -8,7 +8,7 @@ from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Happening, Trace
 from evdash.errors import Fault, InputError
 from evdash.horizon.inputs import prepare_from
-from evdash.horizon.recourse import settle
+from evdash.horizon.recourse import SHED, UNPROVEN, settle
 
 
 def happen(trace: Trace, events: Sequence[Event]) -> Trace:
@@ -46,7 +46,12 @@ def _settled(trace: Trace, given: Scenario, events: tuple[Event, ...]) -> Trace:
     inputs = prepare_from(given, trace.inputs.network, trace.inputs, trace.now)
     settled = settle(inputs, trace.state, events)
     happening = Happening(
-        trace.now, events, settled.revisions, settled.state, "; ".join(settled.notes)
+        interval=trace.now,
+        events=events,
+        revisions=settled.revisions,
+        after=settled.state,
+        note="; ".join(settled.notes),
+        proven=not {SHED, UNPROVEN} & set(settled.notes),
     )
     happenings = (*trace.happenings, happening)
     return replace(trace, inputs=inputs, state=settled.state, happenings=happenings)

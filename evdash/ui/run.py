@@ -113,6 +113,14 @@ def edited(
     return there if there.answer else _happened(run, there, title, edit.events)
 
 
+def happened(run: Run, event: Event, before: Trace, after: Trace) -> Run:
+    """The run after an event, whatever it breaks; `after` is what it makes of `before`."""
+    if event.interval != run.trace.now or run.trace.is_over:
+        return run
+    trace = after if run.trace is before else happen(run.trace, [event])
+    return replace(run, trace=trace, answer=None)
+
+
 def _happened(run: Run, there: Run, title: str, events: tuple[Event, ...]) -> Run:
     """`there` after events, or `run` with an answer where they would break a promise."""
     if not events:

@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeVar
 
 import streamlit as st
 
+from evdash.domain.events import Event
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.files.bundled import DEFAULT, bundled_scenarios
@@ -107,6 +108,10 @@ class Session:
     ) -> None:
         """Change settings from now on."""
         self._change(lambda run: runs.edited(run, title, settings, price_per_kwh))
+
+    def happen(self, event: Event, before: Trace, after: Trace) -> None:
+        """Let an event happen now; `after` is what it makes of `before`, worked out already."""
+        self._change(lambda run: runs.happened(run, event, before, after))
 
     def rewire(self, network: Network) -> None:
         """Keep the limits of another network model from now on."""

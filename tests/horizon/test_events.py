@@ -263,6 +263,7 @@ def test_where_the_optimiser_fails_who_came_last_is_switched_off_first(monkeypat
     trace = begun([2, 5, 5])
     after, happening = told(trace, event("chargers", value=1))
     assert recourse.SHED in happening.note
+    assert not happening.proven
     assert after.state.contracts[0].vehicle == "a"
     done = run_day(after, P1)
     assert entries(done)["a"].status == "kept"
