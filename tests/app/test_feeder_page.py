@@ -24,7 +24,7 @@ def texts(at: AppTest) -> str:
 
 
 def move(at: AppTest, hour: int) -> AppTest:
-    at.select_slider(key="feeder_hour").set_value(hour).run()
+    at.select_slider[0].set_value(hour).run()
     assert not at.exception
     return at
 
@@ -51,7 +51,7 @@ def test_every_preset_from_start_to_end(preset: str) -> None:
     clicked(at, "finish")
     assert session(at).run.trace.is_over
     last = session(at).run.trace.scenario.intervals - 1
-    assert at.select_slider(key="feeder_hour").value == last
+    assert at.select_slider[0].value == last
     for hour in (0, last // 2, last):
         move(at, hour)
     for way in ("without", "difference"):
@@ -73,9 +73,9 @@ def test_the_hour_follows_the_clock() -> None:
     at = feeder_page(steps=2)
     move(at, 12)
     at.run()
-    assert at.select_slider(key="feeder_hour").value == 12
+    assert at.select_slider[0].value == 12
     clicked(at, "step")
-    assert at.select_slider(key="feeder_hour").value == 2
+    assert at.select_slider[0].value == 2
 
 
 @pytest.mark.parametrize("key", ["feeder_way", "map_way"])

@@ -4,6 +4,7 @@ import time
 
 import pytest
 from streamlit.testing.v1 import AppTest
+from streamlit.testing.v1.element_tree import Selectbox
 
 from evdash.explain.refusals import explain_vehicle
 from evdash.explain.revisions import explain_revision
@@ -41,8 +42,12 @@ def listed(at: AppTest) -> list[str]:
     return list(at.dataframe[0].value["Vehicle"])
 
 
+def picker(at: AppTest) -> Selectbox:
+    return next(box for box in at.selectbox if box.label == "Look at one vehicle")
+
+
 def pick(at: AppTest, name: str | None) -> AppTest:
-    at.selectbox(key="vehicle_pick").set_value(name).run()
+    picker(at).set_value(name).run()
     assert not at.exception
     return at
 
@@ -123,7 +128,7 @@ def test_a_vehicle_named_in_the_address_is_looked_at_once_it_has_asked() -> None
     clicked(at, "step", 2)
     assert "has not asked by" in texts(at)
     clicked(at, "step", 16)
-    assert at.selectbox(key="vehicle_pick").value == "PEV-030"
+    assert picker(at).value == "PEV-030"
     assert "**Asked**" in texts(at)
     pick(at, None)
     assert VEHICLE not in at.query_params

@@ -13,7 +13,6 @@ from evdash.ui.parts import chart, small_table, table_below, view
 from evdash.ui.session import Session
 
 MOST_LIMITS = 5
-HOUR, HOUR_NOW = "feeder_hour", "evdash:feeder_now"
 DRAWING_HELP = (
     "Colour: voltage; the limits are marked on the bar. Square: the source, where the feeder is "
     "supplied; diamond: the charging station. Lines: the wider, the nearer to their rating, which "
@@ -24,17 +23,7 @@ DRAWING_HELP = (
 
 def drawing(session: Session) -> None:
     """The drawing in its own fragment."""
-    follow_clock(session)
     st.fragment(_drawing, key="feeder_drawing")(session)
-
-
-def follow_clock(session: Session) -> None:
-    """Show the interval carried out last whenever the run has moved on."""
-    trace = session.run.trace
-    state = (trace.now, trace.scenario.intervals)
-    if st.session_state.get(HOUR_NOW) != state or HOUR not in st.session_state:
-        st.session_state[HOUR_NOW] = state
-        st.session_state[HOUR] = max(0, trace.now - 1)
 
 
 def _drawing(session: Session) -> None:
@@ -54,14 +43,7 @@ def _drawing(session: Session) -> None:
                 label_visibility="collapsed",
                 persist_state="session",
             )
-        hour = st.select_slider(
-            "Hour",
-            list(range(ahead.n_intervals)),
-            format_func=words.__getitem__,
-            key=HOUR,
-            persist_state="session",
-            help="Arrow keys move it, too. After every step it shows the interval just decided.",
-        )
+        hour = _hour(session, words)
         moment = moment_at(session, hour, way)
         chart(
             session,
@@ -79,3 +61,21 @@ def _drawing(session: Session) -> None:
             small_table(tightest_rows(limits), height=240)
         table_below("feeder", lambda: feeder_table(moment), "Nodes as a table")
         table_below("lines", lambda: lines_table(moment), "Lines as a table")
+
+
+def _hour(session: Session, words: list[str]) -> int:
+    """The interval to draw: the one carried out last, until somebody moves it.
+
+    After each step it is another widget, so that no value of before the step comes late.
+    """
+    now = session.run.trace.now
+    hour: int = st.select_slider(
+        "Hour",
+        list(range(len(words))),
+        value=max(0, now - 1),
+        format_func=words.__getitem__,
+        key=f"feeder_hour:{now}:{len(words)}",
+        persist_state="session",
+        help="Arrow keys move it, too. After every step it shows the interval just decided.",
+    )
+    return hour

@@ -18,7 +18,6 @@ from evdash.ui.vehicles.words import change_lines, contract_lines, title
 from evdash.ui.words import clock, plain
 
 POLL_SECONDS = 0.4
-PICK = "vehicle_pick"
 
 
 def detail(session: Session, picked: str) -> None:
@@ -26,15 +25,17 @@ def detail(session: Session, picked: str) -> None:
     trace = session.run.trace
     records = session.once("vehicle_records", lambda: vehicle_records(trace))
     names = sorted((record.vehicle for record in records), key=by_name)
-    st.session_state[PICK] = picked if picked in names else None
+    # for each vehicle another widget, so that no choice of before comes late and undoes this one
+    key = f"vehicle_pick:{picked if picked in names else ''}"
+    st.session_state[key] = picked if picked in names else None
     st.selectbox(
         "Look at one vehicle",
         names,
         index=None,
-        key=PICK,
+        key=key,
         placeholder="Type or pick a name",
         on_change=pick_typed,
-        args=(PICK,),
+        args=(key,),
         help="Or click its row in the table. The address of this page then names it.",
     )
     if picked not in names:
