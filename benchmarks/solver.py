@@ -2,13 +2,15 @@
 
 For every case the whole day is timed, drawing arrivals and building models included, and every
 interval; then the hardest intervals are given to plain P1 by HiGHS and by CBC, each with a limit,
-in the same run. Prints a table and the growth with vehicles, intervals and feeder nodes.
+in the same run. Prints a table and the growth with vehicles, intervals and feeder nodes, and says
+where a case is not what it is said to be; exit status 3 then.
 """
 
 import argparse
 import heapq
 import platform
 import resource
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,17 +26,17 @@ from rich.table import Table
 
 from benchmarks import growth
 from benchmarks.cases import CASES, Case
+from benchmarks.plain import Interval, Plain, compared
 from evdash.domain.plan import Plan, Snapshot
 from evdash.domain.scenario import Scenario
 from evdash.horizon.day import run_day, start_day
-from evdash.scheduling.equations import P1, build
 from evdash.scheduling.fast.solver import solve_fast
-from evdash.scheduling.p1 import SECONDS_PER_INTERVAL, p1_policy
+from evdash.scheduling.p1 import p1_policy
 from evdash.scheduling.problem import OPTIMALITY_USD, Problem, Solution
 
-CANDIDATES, HARD = 6, 3
-"""Plain P1 is given our slowest intervals and those with most requests, so many of each; the
-ones it takes longest for are compared."""
+CANDIDATES = 6
+"""Plain P1 is given our slowest intervals and those with most requests, so many of each."""
+PEAK_MB = 600.0
 
 
 @dataclass(slots=True)
@@ -51,23 +53,44 @@ class Measured:
     arrived: int = 0
     refused: int = 0
     both_bind: list[int] = field(default_factory=list)
-    slowest: list[tuple[float, int, Problem]] = field(default_factory=list)
-    busiest: list[tuple[int, int, Problem]] = field(default_factory=list)
+    slowest: list[tuple[float, int, Interval]] = field(default_factory=list)
+    busiest: list[tuple[int, int, Interval]] = field(default_factory=list)
     counter: Iterator[int] = field(default_factory=count)
+    peak_mb: float = 0.0
 
-    def note(self, took: float, problem: Problem) -> None:
-        """Remember the problem if it is among the slowest or the busiest."""
-        number, requests = next(self.counter), problem.n_vehicles - problem.n_contracts
-        heapq.heappush(self.slowest, (took, number, problem))
-        heapq.heappush(self.busiest, (requests, number, problem))
+    def note(self, took: float, interval: Interval) -> None:
+        """Remember the interval if it is among the slowest or the busiest."""
+        number, problem = next(self.counter), interval.problem
+        heapq.heappush(self.slowest, (took, number, interval))
+        heapq.heappush(self.busiest, (problem.n_vehicles - problem.n_contracts, number, interval))
         for heap in (self.slowest, self.busiest):
             if len(heap) > CANDIDATES:
                 heapq.heappop(heap)
 
-    def candidates(self) -> list[Problem]:
+    def candidates(self) -> list[Interval]:
         """The slowest and the busiest intervals, each once."""
-        noted = {number: problem for _, number, problem in (*self.slowest, *self.busiest)}
+        noted = {number: interval for _, number, interval in (*self.slowest, *self.busiest)}
         return [noted[number] for number in sorted(noted)]
+
+    @property
+    def proven(self) -> float:
+        """The share of intervals that ended within a cent of their bound."""
+        return float(np.mean(np.array(self.gaps) <= OPTIMALITY_USD))
+
+    def broken(self) -> Iterator[str]:
+        """What the case is said to be and is not."""
+        case, refused = self.case, self.refused / self.arrived
+        if min(self.both_bind) < case.both_bind:
+            yield (
+                f"both limits bind in {min(self.both_bind)} intervals, at least {case.both_bind}"
+            )
+        low, high = case.refused
+        if not low <= refused <= high:
+            yield f"{refused:.0%} refused, between {low:.0%} and {high:.0%}"
+        if self.proven < case.proven:
+            yield f"{self.proven:.2%} of intervals proven, at least {case.proven:.0%}"
+        if self.peak_mb > PEAK_MB:
+            yield f"{self.peak_mb:.0f} MB at the peak, at most {PEAK_MB:.0f}"
 
 
 def now() -> tuple[float, float]:
@@ -90,16 +113,19 @@ def both(times: Sequence[tuple[float, float]], summary: Callable[[Sequence[float
 def timed_day(scenario: Scenario, measured: Measured) -> None:
     """Run a day, drawing arrivals and building models included, and note what it took."""
 
+    at = 0
+
     def solve(problem: Problem, seconds: float) -> Solution:
         began = time.process_time()
         solution = solve_fast(problem, seconds)
-        measured.note(time.process_time() - began, problem)
+        measured.note(time.process_time() - began, Interval(scenario, at, problem))
         return solution
 
     policy = p1_policy(solve)
 
     def timed_policy(snapshot: Snapshot) -> Plan:
-        began = now()
+        nonlocal at
+        began, at = now(), snapshot.now
         plan = policy(snapshot)
         measured.intervals.append(since(began))
         return plan
@@ -120,114 +146,94 @@ def timed_day(scenario: Scenario, measured: Measured) -> None:
     measured.both_bind.append(binding)
 
 
-def plain(problem: Problem, solver: pulp.LpSolver) -> float:
-    """Seconds plain P1 takes with this solver, model building included."""
-    began = time.perf_counter()
-    build(problem, P1).lp.solve(solver)
-    return time.perf_counter() - began
+HEADINGS = (
+    "case",
+    "days",
+    "day median",
+    "day max",
+    "target",
+    "worst interval",
+    "target",
+    "proven",
+    "worst gap $",
+    "refused",
+    "both bind",
+    "peak MB",
+)
 
 
-def plain_solvers(seconds: float) -> tuple[pulp.LpSolver, pulp.LpSolver]:
-    """HiGHS and CBC as they come, to half a cent, on one thread, within `seconds`."""
-    return (
-        pulp.HiGHS(msg=False, timeLimit=seconds, gapRel=0, gapAbs=0.004, threads=1),
-        pulp.PULP_CBC_CMD(msg=False, timeLimit=seconds, gapRel=0, gapAbs=0.004, threads=1),
-    )
-
-
-def measure(cases: Sequence[Case], limit_seconds: float, console: Console) -> Table:
-    """The table: days and intervals of each case, and plain P1 on its slowest intervals."""
-    title = (
-        "P1 over whole days, s (clock / processor); at the right, plain P1 on its worst intervals"
-    )
-    table = Table(title=title)
-    for heading in (
-        "case",
-        "days",
-        "day median",
-        "day max",
-        "target",
-        "worst interval",
-        "target",
-        "proven",
-        "worst gap $",
-        "refused",
-        "both bind",
-        "ours",
-        "HiGHS",
-        "CBC",
-        "peak MB",
-    ):
-        table.add_column(heading, justify="left" if heading == "case" else "right")
+def measure(cases: Sequence[Case], limit_seconds: float, console: Console) -> list[str]:
+    """Print the tables, days and intervals of each case and plain P1 on its worst intervals;
+    returns what a case is said to be and is not."""
+    table = Table(*HEADINGS, title="P1 over whole days, s (clock / processor)")
+    beside = Plain.table(limit_seconds)
+    broken: list[str] = []
     for case in cases:
-        measured = Measured(case)
+        measured, began = Measured(case), time.perf_counter()
         for seed in range(1, case.seeds + 1):
             timed_day(case.scenario(seed), measured)
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        highs, cbc = plain_solvers(limit_seconds)
-        timed = [(plain(problem, highs), problem) for problem in measured.candidates()]
-        worst = sorted(timed, key=lambda one: -one[0])[:HARD]
-        ours = sum(_seconds(problem) for _, problem in worst)
-        by_plain = (
-            sum(took for took, _ in worst),
-            sum(plain(problem, cbc) for _, problem in worst),
-        )
-        proven = np.mean(np.array(measured.gaps) <= OPTIMALITY_USD)
-        table.add_row(
-            case.title,
-            str(case.seeds),
-            both(measured.days, median),
-            both(measured.days, max),
-            _target(case.day_target_seconds),
-            both(measured.intervals, max),
-            _target(case.worst_target_seconds),
-            f"{proven:.2%}",
-            f"{max(measured.gaps):.4f}",
-            f"{measured.refused / measured.arrived:.0%}",
-            f"{min(measured.both_bind)}–{max(measured.both_bind)}",
-            f"{ours:.2f}",
-            *(f"{seconds:.1f} ({seconds / ours:.0f}×)" for seconds in by_plain),
-            f"{memory:.0f}",
-        )
-        console.print(f"{case.title}: done", style="dim")
-    return table
+        measured.peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        table.add_row(*_row(measured))
+        beside.add_row(case.title, *compared(measured.candidates(), limit_seconds).cells())
+        broken += [f"{case.title}: {what}" for what in measured.broken()]
+        console.print(f"{case.title}: done in {time.perf_counter() - began:.0f} s", style="dim")
+    console.print(table)
+    console.print(beside)
+    return broken
+
+
+def _row(measured: Measured) -> tuple[str, ...]:
+    case = measured.case
+    return (
+        case.title,
+        str(case.seeds),
+        both(measured.days, median),
+        both(measured.days, max),
+        _target(case.day_target_seconds),
+        both(measured.intervals, max),
+        _target(case.worst_target_seconds),
+        f"{measured.proven:.2%}",
+        f"{max(measured.gaps):.4f}",
+        f"{measured.refused / measured.arrived:.0%}",
+        f"{min(measured.both_bind)}–{max(measured.both_bind)}",
+        f"{measured.peak_mb:.0f}",
+    )
 
 
 def _target(seconds: float | None) -> str:
     return "–" if seconds is None else f"{seconds:g}"
 
 
-def _seconds(problem: Problem) -> float:
-    began = time.perf_counter()
-    solve_fast(problem, SECONDS_PER_INTERVAL)
-    return time.perf_counter() - began
-
-
-def main() -> None:
+def main() -> int:
     """Read the command line, measure, print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a tenth of the seeds")
-    parser.add_argument("--case", choices=[case.name for case in CASES], help="only this case")
+    names = [case.name for case in CASES]
+    parser.add_argument("--case", choices=names, nargs="+", help="only these rows, no growth")
     parser.add_argument("--limit", type=float, default=60.0, help="s for plain P1 on an interval")
     parser.add_argument("--growth", action="store_true", help="only the growth")
     parser.add_argument("--svg", type=Path, help="where to draw the growth")
     chosen = parser.parse_args()
-    cases = [case for case in CASES if chosen.case in (None, case.name)]
+    cases = [case for case in CASES if chosen.case is None or case.name in chosen.case]
     if chosen.quick:
         cases = [replace(case, seeds=max(1, case.seeds // 10)) for case in cases]
-    console = Console(width=200)
+    console, broken, began = Console(width=200), [], time.perf_counter()
     console.print(
         f"{platform.machine()}, Python {platform.python_version()}, "
         f"HiGHS {highspy.Highs().version()}, PuLP {pulp.__version__}, NumPy {np.__version__}"
     )
     if not chosen.growth:
-        console.print(measure(cases, chosen.limit, console))
+        broken = measure(cases, chosen.limit, console)
     if chosen.growth or chosen.case is None:
         points = growth.measured(seeds=1 if chosen.quick else 3)
         console.print(growth.table(points))
         if chosen.svg:
             growth.save_svg(points, chosen.svg)
+    console.print(f"{time.perf_counter() - began:.0f} s in all")
+    for what in broken:
+        console.print(what)
+    return 3 if broken else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

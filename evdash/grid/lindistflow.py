@@ -43,20 +43,23 @@ def load_kvar_of(node: Node, power_factor: float) -> float:
     return (node.load_kw or 0.0) * float(np.sqrt(1 - power_factor**2)) / power_factor
 
 
-def sensitivity(feeder: RadialFeeder, impedance_pu: Floats) -> Floats:
-    """R or X of (3): twice the impedance of the lines two nodes' ways share, (nodes, nodes)."""
-    ways = feeder.on_way.astype(float)
-    return np.asarray(2 * (ways * impedance_pu) @ ways.T)
+def sensitivity(feeder: RadialFeeder, impedance_pu: Floats, node: int) -> Floats:
+    """A column of R or X of (3): twice the impedance of the lines that the ways to each node and
+    to `node`, by its index, share, (nodes,). Both matrices are symmetric."""
+    return np.asarray(2 * feeder.on_way[:, feeder.on_way[node]] @ impedance_pu[feeder.on_way[node]])
 
 
 def voltage_sq_pu(scenario: Scenario, feeder: RadialFeeder, injections: Injections) -> Floats:
-    """(3) linearised DistFlow: v = v_0·1 + R p + X q, squared voltages, (intervals, nodes)."""
+    """(3) linearised DistFlow: v = v_0·1 + R p + X q, squared voltages, (intervals, nodes).
+
+    R p is what r times the flow in each line adds up to along a node's way, so that R and X,
+    dense in the nodes, are never formed.
+    """
     base_kva = scenario.feeder.base_mva * KW_PER_MW
-    R = sensitivity(feeder, feeder.r_pu)
-    X = sensitivity(feeder, feeder.x_pu)
-    p = injections.active_kw / base_kva
-    q = injections.reactive_kvar / base_kva
-    return np.asarray(scenario.feeder.source_voltage_pu**2 + p @ R.T + q @ X.T)
+    flows = line_flows(feeder, injections)
+    drop = 2 * (flows.active_kw * feeder.r_pu + flows.reactive_kvar * feeder.x_pu) / base_kva
+    fallen = drop @ feeder.on_way.astype(float).T
+    return np.asarray(scenario.feeder.source_voltage_pu**2 - fallen)
 
 
 def voltage_pu(scenario: Scenario, feeder: RadialFeeder, station_kw: Floats) -> Floats:

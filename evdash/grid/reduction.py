@@ -70,7 +70,7 @@ def line_ratings(scenario: Scenario, feeder: RadialFeeder, base: Injections) -> 
 
 def voltage_minima(scenario: Scenario, feeder: RadialFeeder, base: Injections) -> Named:
     """(4c), lower side: v_i − R[i, station]·p_EV ≥ v̲ at every node the station can lower."""
-    station_r = sensitivity(feeder, feeder.r_pu)[:, feeder.node_index(scenario.station.node)]
+    station_r = sensitivity(feeder, feeder.r_pu, feeder.node_index(scenario.station.node))
     slack = voltage_sq_pu(scenario, feeder, base) - scenario.feeder.voltage_min_pu**2
     lowered = np.flatnonzero(station_r > 0)
     base_kva = scenario.feeder.base_mva * KW_PER_MW

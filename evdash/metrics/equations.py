@@ -166,8 +166,8 @@ def node_numbers(step: Step, node: str) -> NodeNumbers:
     hosts = node == scenario.station.node
     generation = next(n.generation_kw or 0.0 for n in scenario.nodes if n.node == node)
     generation_kw = generation * float(scenario.generation_pu[t])
-    by_active = sensitivity(feeder, feeder.r_pu)[i] @ injections.active_kw[t]
-    by_reactive = sensitivity(feeder, feeder.x_pu)[i] @ injections.reactive_kvar[t]
+    by_active = sensitivity(feeder, feeder.r_pu, i) @ injections.active_kw[t]
+    by_reactive = sensitivity(feeder, feeder.x_pu, i) @ injections.reactive_kvar[t]
     voltage_sq = float(voltage_sq_pu(scenario, feeder, injections)[t, i])
     return NodeNumbers(
         node=node,

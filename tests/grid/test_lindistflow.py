@@ -67,7 +67,9 @@ def test_sensitivities_are_those_of_ac_power_flow_at_no_load(tree):
         return net.res_bus.vm_pu.to_numpy()[1:] ** 2
 
     step_pu = step_kw / 1000 / scenario.feeder.base_mva
-    R, X = sensitivity(feeder, feeder.r_pu), sensitivity(feeder, feeder.x_pu)
+    nodes = range(len(feeder.nodes))
+    R = np.array([sensitivity(feeder, feeder.r_pu, node) for node in nodes])
+    X = np.array([sensitivity(feeder, feeder.x_pu, node) for node in nodes])
     for j in range(len(feeder.nodes)):
         push = nothing.copy()
         push[j] = step_kw
