@@ -70,7 +70,7 @@ def main() -> None:
         began = time.process_time()
         trace = run_day(start_day(read_scenario(folder, ())), p1_policy())
         table.add_row(*row_of(trace, folder.name, time.process_time() - began))
-    Console().print(table)
+    Console(width=120).print(table)
 
 
 if __name__ == "__main__":

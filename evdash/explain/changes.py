@@ -38,6 +38,11 @@ class Change:
         own = (self.later, self.price_per_kwh, self.need_kwh, self.max_kw, self.bonus)
         return self.lifted or any(own)
 
+    @property
+    def reshapes_vehicle(self) -> bool:
+        """Whether the vehicle's power or window may differ."""
+        return self.lifted or any((self.later, self.need_kwh, self.max_kw))
+
 
 NOTHING = Change()
 

@@ -171,7 +171,7 @@ def later_return(trials: Trials) -> Remedy | NoRemedy:
     """
     hours = trials.snapshot.interval_hours
     most = round(MOST_HOURS_LATER / hours)
-    if cannot_help(trials, Change(later=most)):
+    if trials.lp_bound_with(Change(later=most)) >= trials.cost_without:
         return NoRemedy("time", most, proven=True)
     ladder = Ladder(trials, lambda n: change_by("time", n), single=True)
     found = ladder.climb(max(1, round(1 / hours)), most)
@@ -194,8 +194,6 @@ def higher_price(trials: Trials) -> Remedy | NoRemedy:
     steps = np.ceil(certain / request.need_kwh / PRICE_STEP_USD)
     less = np.floor(hopeless / request.need_kwh / PRICE_STEP_USD)
     more, less = (round(max(n, 0) * PRICE_STEP_USD, 6) for n in (max(1, steps), less))
-    if not trials.admits(Change(price_per_kwh=more)) or trials.admits(Change(price_per_kwh=less)):
-        return NoRemedy("price", more, proven=False)
     return Remedy("price", amount=more, refused_at=less, least=True)
 
 
@@ -204,4 +202,6 @@ def cannot_help(trials: Trials, change: Change) -> bool:
 
     Less of it cannot make P1 with the vehicle cheaper, nor P1 without it dearer than it was.
     """
-    return trials.bound_with(change) >= trials.cost_without
+    if trials.lp_bound_with(change) >= trials.cost_without:
+        return True
+    return not trials.admits(change) and trials.bound_with(change) >= trials.cost_without

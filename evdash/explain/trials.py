@@ -4,10 +4,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from evdash.domain.limits import Floats
 from evdash.domain.plan import Plan, Policy, Snapshot
 from evdash.domain.trace import Inputs
 from evdash.domain.vehicles import Request
 from evdash.explain.changes import NOTHING, Change, asked, changed
+from evdash.scheduling.fast.forced import lp_bound_with
+from evdash.scheduling.problem import OPTIMALITY_USD, problem_of
 
 Plans = dict[tuple[str, Change], Plan]
 """P1's plans by the vehicle a change bears on ("" for all alike) and the change."""
@@ -60,18 +63,60 @@ class Trials:
 
     def plan(self, change: Change) -> Plan:
         """P1's plan under a change."""
-        if change.headroom_kw and change.slots is None and not change.bears_on_vehicle:
-            change = replace(change, slots=tuple(range(self.window)))
-        key = (self.vehicle if change.bears_on_vehicle else "", change)
+        key = self._key(change)
         if key not in self.plans:
-            self.plans[key] = self.policy(changed(self.inputs, self.snapshot, self.vehicle, change))
+            self.plans[key] = self.policy(changed(self.inputs, self.snapshot, self.vehicle, key[1]))
         return self.plans[key]
+
+    def _key(self, change: Change) -> tuple[str, Change]:
+        change = self.as_far_as_it_matters(change)
+        return (self.vehicle if change.bears_on_vehicle else "", change)
+
+    def as_far_as_it_matters(self, change: Change) -> Change:
+        """The same P1, said so that vehicles with different windows find it solved already.
+
+        More headroom matters only where all who may charge at full power exceed what there
+        is, and no further than that.
+        """
+        if not change.headroom_kw or change.reshapes_vehicle:
+            return change
+        missing_kw = self._most_kw() - np.maximum(0.0, self.snapshot.rows.headroom_kw())
+        slots = range(self.window) if change.slots is None else change.slots
+        binding = tuple(slot for slot in slots if missing_kw[slot] > 0)
+        if not binding:
+            return replace(change, headroom_kw=0.0, slots=None)
+        enough_kw = float(missing_kw[list(binding)].max())
+        return replace(change, headroom_kw=min(change.headroom_kw, enough_kw), slots=binding)
+
+    def _most_kw(self) -> Floats:
+        """Everyone with an open window at full power, (slots,), kW."""
+        everyone = [contract.request for contract in self.snapshot.contracts]
+        everyone.extend(self.snapshot.requests)
+        ends = np.array([r.deadline_interval for r in everyone]) - self.snapshot.now
+        top_kw = np.array([r.max_kw for r in everyone])
+        slots = np.arange(self.snapshot.n_slots)
+        return np.asarray((slots < ends[:, None]).T @ top_kw)
 
     def admits(self, change: Change) -> bool:
         """Whether P1 admits the vehicle under a change."""
         if asked(self.inputs, self.snapshot, self.request, change).refusal:
             return False
-        return self.vehicle in self.plan(change).admitted
+        return not self.too_dear(change) and self.vehicle in self.plan(change).admitted
+
+    def too_dear(self, change: Change) -> bool:
+        """Whether the LP alone proves that P1 refuses the vehicle under a change.
+
+        More headroom or chargers make P1 without the vehicle no dearer than it was. What is the
+        vehicle's own is rarely refused so, and not asked.
+        """
+        if change.without or change.bears_on_vehicle or self._key(change) in self.plans:
+            return False
+        return self.lp_bound_with(change) > self.cost_without + OPTIMALITY_USD
+
+    def lp_bound_with(self, change: Change) -> float:
+        """What P1's value with the vehicle in cannot fall below, by its LP, $."""
+        anew = changed(self.inputs, self.snapshot, self.vehicle, change)
+        return lp_bound_with(problem_of(anew), self.vehicle)
 
     def cost(self, change: Change) -> float:
         """P1's value under a change, $."""

@@ -1,11 +1,13 @@
 """The AC network model, refereed by pandapower, whose code it does not share."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 
+from benchmarks.ac_headroom import random_tree
 from evdash.domain.breach import Breach
 from evdash.domain.scenario import Scenario
 from evdash.files.bundled import PRESETS
@@ -62,6 +64,27 @@ def test_the_certificate_agrees_with_pandapower(scenario):
     certificate, verdict = AcFeeder(scenario).breaches(station_kw), judged(scenario, station_kw)
     assert clearly_by_station(certificate) <= by_station(verdict)
     assert clearly_by_station(verdict) <= by_station(certificate)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "kinds"),
+    [
+        (random_tree(0), {"voltage_min", "line"}),
+        (random_tree(4), {"voltage_min"}),
+        (read_scenario(PRESETS / "winter-weekday"), {"line"}),
+        (read_scenario(PRESETS / "voltage-limited"), {"voltage_min", "line"}),
+    ],
+    ids=["tree 0", "tree 4", "transformer", "voltage-limited"],
+)
+def test_headroom_keeps_every_limit_and_two_percent_more_breaks_the_one_named(scenario, kinds):
+    rows = ac_limit_rows(scenario)
+    headroom_kw, binding = rows.headroom_kw(), rows.binding()
+    assert {element.partition(":")[0] for element in binding} == kinds
+    assert worsened(scenario, headroom_kw) == set()
+    beyond = worsened(scenario, 1.02 * headroom_kw)
+    room = np.flatnonzero(headroom_kw > 1)
+    assert len(room) > scenario.intervals / 2
+    assert beyond >= {(int(t), binding[t]) for t in room}
 
 
 LONG = {"from_node": "s", "to_node": "a", "r_ohm": 1.2, "x_ohm": 0.9}
@@ -148,6 +171,17 @@ def test_the_linearised_model_is_optimistic_where_voltage_binds():
     assert worsened(scenario, executed_station_kw(linear))
     assert worsened(scenario, executed_station_kw(ac)) == set()
     assert totals(ac).admitted < totals(linear).admitted
+
+
+def test_no_plan_passes_whose_intervals_are_not_all_allowed_in_ac():
+    """Handed rows that promise too much, P1 is stopped by the certificate, not by the rows."""
+    scenario = read_scenario(PRESETS / "voltage-limited")
+    scenario = edit_scenario(scenario, {"arrivals.vehicles_per_day": 120})
+    begun = start_day(scenario, "ac")
+    misled = replace(begun, inputs=replace(begun.inputs, rows=limit_rows(scenario)))
+    day = run_day(misled, p1_policy())
+    assert any(step.plan.report.status == "fallback" for step in day.steps)
+    assert worsened(scenario, executed_station_kw(day)) == set()
 
 
 def test_headroom_is_computed_once_and_kept_to_the_bit():
