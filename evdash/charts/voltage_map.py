@@ -87,7 +87,7 @@ def _contours(outlook: Outlook) -> list[Trace]:
     looks = (
         (f"Lowest allowed, {low:g} pu", low, {"color": VERMILLION, "width": 3}),
         (
-            f"Within {NEAR_PU:g} pu of it",
+            f"Within {NEAR_PU:g} pu of the lowest",
             low + NEAR_PU,
             {"color": VERMILLION, "width": 2} | {"dash": "dot"},
         ),
