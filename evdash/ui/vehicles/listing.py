@@ -3,6 +3,7 @@
 import pandas as pd
 import streamlit as st
 
+from evdash.charts.drawn import Drawn
 from evdash.charts.fleet import fleet_alt, fleet_figure, fleet_table
 from evdash.charts.style import CONFIG
 from evdash.domain.outlook import Outlook
@@ -57,7 +58,7 @@ def _chart(session: Session, shown: tuple[VehicleRecord, ...], detail: tuple[Cho
     )
     names = [record.vehicle for record in shown]
     st.plotly_chart(
-        figure,
+        Drawn(figure),
         key=FLEET,
         config=CONFIG,
         alt=fleet_alt(shown, ahead),
