@@ -4,7 +4,7 @@ import streamlit as st
 
 from evdash.ui import drive, page, parts
 from evdash.ui.events import ledger, panel
-from evdash.ui.live import controls, decision, head, panels, voltages
+from evdash.ui.live import controls, decision, head, panels, prompts, voltages
 from evdash.ui.session import current
 from evdash.ui.toolbar import toolbar
 
@@ -18,8 +18,11 @@ head.headline(session)
 progress = st.container()
 head.answer(session)
 ledger.notice(session)
-panel.panel(session)
+prompts.case_panel()
 head.key_figures(session)
+prompts.prompts_row(session)
+prompts.outcome(session)
+panel.panel(session)
 left, right = st.columns([2, 1], gap="medium")
 with left:
     panels.schedule(session)

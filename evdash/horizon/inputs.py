@@ -11,6 +11,8 @@ from evdash.horizon.in_force import in_force
 from evdash.horizon.networks import NETWORKS
 from evdash.horizon.requests import first_interval, requests_by_interval
 
+GUEST = "Guest-"
+"""What the names begin with of those who come beside the scenario's own arrivals."""
 FEEDER_PARTS = ("feeder", "nodes", "lines", "interval_minutes", "intervals")
 """What limits depend on, beside the profile's loads and generation and the station's node."""
 
@@ -41,6 +43,10 @@ def prepare_from(given: Scenario, network: Network, past: Inputs, now: int) -> I
     coming = [a for a in arrivals_of(scenario) if first_interval(scenario, a.arrival) >= begin]
     if isinstance(scenario.arrivals, GeneratedArrivals):
         coming = list(renumbered(coming, first=len(came) + 1))
+    # who has just been let in beside the scenario's own arrivals stays, too
+    there = {arrival.vehicle for arrival in (*came, *coming)}
+    guests = (a for a in past.arrivals if a.vehicle.startswith(GUEST))
+    coming += [guest for guest in guests if guest.vehicle not in there]
     _refuse_names_twice(came, coming)
     return Inputs(
         given=given,

@@ -6,11 +6,12 @@ from pathlib import Path
 
 from evdash.domain.events import Event
 from evdash.domain.plan import Policy
-from evdash.domain.scenario import Scenario
+from evdash.domain.scenario import Arrival, Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, ImpossibleCommitments, InputError, Shortfall, SolverFailure
 from evdash.files.overrides import edit_scenario
 from evdash.horizon.day import start_day, step
+from evdash.horizon.guests import joined
 from evdash.horizon.happen import happen, undone
 from evdash.horizon.in_force import in_force
 from evdash.horizon.revise import revise
@@ -119,6 +120,23 @@ def happened(run: Run, event: Event, before: Trace, after: Trace) -> Run:
         return run
     trace = after if run.trace is before else happen(run.trace, [event])
     return replace(run, trace=trace, answer=None)
+
+
+def foreseen(run: Run, title: str, event: Event) -> Run:
+    """An event that is to happen later in the day, or now; what it breaks, it breaks."""
+    trace = run.trace
+    if trace.steps and event.interval == trace.now:
+        return replace(run, trace=happen(trace, (event,)), answer=None)
+    given = trace.inputs.given
+    return _revised(run, given.replacing(events=(*given.events, event)), title)
+
+
+def visited(run: Run, guest: Arrival) -> Run:
+    """One more vehicle comes now."""
+    try:
+        return replace(run, trace=joined(run.trace, guest), answer=None)
+    except InputError as error:
+        return replace(run, answer=Answer("Nobody was added", faults=error.faults))
 
 
 def _happened(run: Run, there: Run, title: str, events: tuple[Event, ...]) -> Run:

@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeVar
 import streamlit as st
 
 from evdash.domain.events import Event
-from evdash.domain.scenario import Scenario
+from evdash.domain.scenario import Arrival, Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
@@ -20,6 +20,7 @@ from evdash.ui import run as runs
 from evdash.ui.keeping import Keeper
 from evdash.ui.run import Run
 from evdash.ui.solving import policy
+from evdash.ui.whatif import Prompt, Prompted
 
 Mode = Literal["idle", "playing", "finishing"]
 T = TypeVar("T")
@@ -42,6 +43,7 @@ class Session:
         self.run = run
         self.keeper = keeper or Keeper()
         self.mode: Mode = "idle"
+        self.prompted: Prompted | None = None
         self.shown: dict[str, object] = {}
         self.price_base: tuple[float, ...] = ()
         self.price_latest: tuple[float, ...] = ()
@@ -65,6 +67,7 @@ class Session:
         with self._lock:
             self.mode = "idle"
             if self._past:
+                self.prompted = None
                 self.run = self._past.pop()
                 self.keeper.keep(self.run)
 
@@ -113,6 +116,22 @@ class Session:
         """Let an event happen now; `after` is what it makes of `before`, worked out already."""
         self._change(lambda run: runs.happened(run, event, before, after))
 
+    def press(self, prompt: Prompt) -> None:
+        """Do what a prompt asks for, and remember the run before it."""
+        before = self.run
+        if prompt.change is not None:
+            self._change(prompt.change)
+        changed = self.run.trace is not before.trace
+        self.prompted = Prompted(prompt.label, before, self.run) if changed else None
+
+    def dismiss(self) -> None:
+        """Tell no more what the last prompt did."""
+        self.prompted = None
+
+    def visit(self, guest: Arrival) -> None:
+        """Have one more vehicle come now."""
+        self._change(lambda run: runs.visited(run, guest))
+
     def rewire(self, network: Network) -> None:
         """Keep the limits of another network model from now on."""
         self._change(lambda run: runs.rewired(run, network))
@@ -123,6 +142,7 @@ class Session:
 
     def take(self, run: Run) -> None:
         """Go on with another run in place of this one."""
+        self.prompted = None
         self.mode = "idle"
         self._change(lambda _: run)
 

@@ -285,13 +285,15 @@ def test_what_is_handed_over_unchecked_is_what_plotly_itself_would_write(trace: 
 
 
 def plainly(value: Any) -> Any:
-    """Without plotly's shorthand for arrays of numbers, and colour scales by name or in full."""
+    """Without plotly's shorthand for arrays, colour scales by name or in full, empty lists."""
     if isinstance(value, dict) and "bdata" in value:
         numbers = np.frombuffer(base64.b64decode(value["bdata"]), dtype=value["dtype"])
         shape = [int(n) for n in str(value.get("shape", len(numbers))).split(",")]
         return numbers.astype(float).reshape(shape).tolist()
     if isinstance(value, dict):
-        return {key: plainly(one) for key, one in value.items() if key != "colorscale"}
+        return {
+            key: plainly(one) for key, one in value.items() if key != "colorscale" and one != []
+        }
     if isinstance(value, list):
         return [plainly(one) for one in value]
     return value

@@ -1,0 +1,132 @@
+"""What if: a teacher's prompts, a vehicle added by hand, prepared cases, and print."""
+
+import streamlit as st
+from pydantic import ValidationError
+
+from evdash.domain.scenario import Arrival
+from evdash.horizon.guests import guest_name
+from evdash.ui.cases import CASES, Case
+from evdash.ui.parts import small_table
+from evdash.ui.run import open_run
+from evdash.ui.session import Session, bundled, bundled_names
+from evdash.ui.settings import bounds, help_text
+from evdash.ui.whatif import prompts
+from evdash.ui.words import plain
+
+CASE = "evdash:case"
+
+
+def prompts_row(session: Session) -> None:
+    """Every prompt a click away."""
+    with st.container(key="prompts", horizontal=True, vertical_alignment="center", gap="xsmall"):
+        st.markdown("**What if**", width="content")
+        for prompt in session.once("prompts", lambda: prompts(session.run)):
+            st.button(
+                prompt.label,
+                on_click=session.press,
+                args=(prompt,),
+                key=f"prompt_{prompt.key}",
+                help=f"{prompt.help} See before and after; Undo takes it back.",
+                disabled=prompt.change is None or session.mode == "finishing",
+            )
+        if st.button(
+            "Add a PEV now",
+            key="add_pev",
+            icon=":material/add:",
+            disabled=session.run.trace.is_over,
+            help="One more vehicle asks for a charge in the coming interval.",
+        ):
+            add_pev(session)
+        if st.button("Cases", key="cases", icon=":material/school:", help=CASES_HELP):
+            choose_case(session)
+
+
+CASES_HELP = "Prepared for the lecture: a question each, what to press, what to see and why."
+
+
+def outcome(session: Session) -> None:
+    """What the last prompt did by the end of the day."""
+    prompted = session.prompted
+    if prompted is None:
+        return
+    with st.container(key="outcome", border=True):
+        with st.container(horizontal=True, vertical_alignment="center"):
+            st.markdown(f"**{plain(prompted.label)}:** in force from now on. Undo takes it back.")
+            st.button("Close", on_click=session.dismiss, key="dismiss", type="tertiary")
+        with st.spinner("Running both days to their end …"):
+            small_table(prompted.effects, height=320)
+
+
+@st.dialog("Add a PEV now")
+def add_pev(session: Session) -> None:
+    """Ask what the vehicle wants, and have it come."""
+    scenario = session.run.trace.scenario
+    fields = Arrival.model_fields
+    low, high = bounds(fields["battery_kwh"])
+    with st.form("pev", border=False):
+        option = st.radio(
+            "Price option",
+            [option.name for option in scenario.option],
+            format_func=plain,
+            horizontal=True,
+            help=help_text(fields["option"]),
+        )
+        battery_kwh = st.number_input(
+            "Battery, kWh", low, high, 60.0, help=help_text(fields["battery_kwh"])
+        )
+        percents = st.slider(
+            "Charge from … to, % of the battery", 0, 100, (30, 80), help=help_text(fields["soc_in"])
+        )
+        max_kw = st.number_input("On-board charger, kW", 0.1, None, 11.0, help=MAX_KW_HELP)
+        sent = st.form_submit_button("Ask for a charge", type="primary")
+    if sent:
+        try:
+            guest = Arrival(
+                vehicle=guest_name(session.run.trace),
+                arrival=scenario.time_of(session.run.trace.now),
+                option=option,
+                battery_kwh=battery_kwh,
+                soc_in=percents[0] / 100,
+                soc_out=percents[1] / 100,
+                max_kw=max_kw,
+            )
+        except ValidationError as error:
+            st.error("; ".join(plain(f"{e['loc'][0]}: {e['msg']}") for e in error.errors()))
+            return
+        session.visit(guest)
+        st.rerun()
+
+
+MAX_KW_HELP = "The most the vehicle itself can take."
+
+
+@st.dialog("Prepared cases", width="large")
+def choose_case(session: Session) -> None:
+    """All cases with their questions; one of them is opened."""
+    for number, case in enumerate(CASES):
+        with st.container(border=True):
+            st.markdown(f"**{case.question}**  \n{case.about}")
+            if st.button("Open this case", key=f"case_{number}", type="primary"):
+                folder = bundled_names()[case.preset]
+                session.take(open_run(folder, bundled(folder)))
+                st.session_state[CASE] = case
+                st.rerun()
+
+
+def case_panel() -> None:
+    """The case that is being worked through."""
+    case: Case | None = st.session_state.get(CASE)
+    if case is None:
+        return
+    with st.container(key="case", border=True):
+        with st.container(horizontal=True, vertical_alignment="center"):
+            st.markdown(f"#### {case.question}")
+            st.button(
+                "Close the case",
+                on_click=lambda: st.session_state.pop(CASE, None),
+                key="close_case",
+                type="tertiary",
+            )
+        st.markdown("\n".join(f"{n}. {text}" for n, text in enumerate(case.press, 1)))
+        with st.expander("What to see, and why", type="compact", key="case_answer"):
+            st.markdown(case.see)
