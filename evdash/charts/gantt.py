@@ -11,6 +11,7 @@ from evdash.charts.style import (
     CLEAR,
     FONT_PX,
     HOUR_MS,
+    LEGEND,
     OUTLINE,
     VERMILLION,
     WINDOW,
@@ -29,8 +30,10 @@ from evdash.charts.style import (
 )
 from evdash.domain.outlook import Outlook
 
-FRAME_PX = 106
+FRAME_PX = 98
 LABEL_PX = 12.5
+LABEL_SHARE = 0.095
+"""So much of the horizon lies under the text at a window's end."""
 ROOMY_PX = 15
 """A line at least so high carries text of the ordinary small size."""
 ADMITTED_LOOK = {"color": WINDOW, "line": {"color": OUTLINE, "width": 1}}
@@ -66,7 +69,8 @@ def gantt(
         traces,
         height_px,
         barmode="overlay",
-        margin={"l": 70, "r": 8, "t": 58, "b": 48},
+        margin={"l": 70, "r": 8, "t": 52, "b": 46},
+        legend={**LEGEND, "font": {"size": FONT_PX - 1}},
         xaxis=time_axis(outlook, room=0.085),
         yaxis=row_axis(rows, lines, height_px),
         shapes=[*now_shapes(outlook), *frame_of(rows, picked)],
@@ -120,7 +124,7 @@ def _windows(outlook: Outlook, rows: list[Row]) -> list[dict[str, Any]]:
     """Promised windows, and those asked for in vain where there are any."""
     admitted = [(y, row) for y, row in enumerate(rows) if not row.is_refused]
     refused = [(y, row) for y, row in enumerate(rows) if row.is_refused]
-    traces = [_window_bars(outlook, "Promised window", admitted, ADMITTED_LOOK)]
+    traces = [_window_bars(outlook, "Promised", admitted, ADMITTED_LOOK)]
     if refused:
         traces.append(_window_bars(outlook, "Refused", refused, REFUSED_LOOK))
     return traces
@@ -195,12 +199,18 @@ def _bars(
 
 
 def _percents(outlook: Outlook, rows: list[Row], size_px: int) -> dict[str, Any]:
-    """Option and percent complete at the end of each window; so no row is told by colour alone."""
+    """Option and percent complete at the end of each window; so no row is told by colour alone.
+
+    Where the now line would cross the text, it stands behind the line.
+    """
+    room = (outlook.end - outlook.start) * LABEL_SHARE
+    ends = [outlook.times[row.request.deadline_interval] for row in rows]
+    places = [outlook.clock if end <= outlook.clock < end + room else end for end in ends]
     return {
         "type": "scatter",
         "mode": "text",
         "showlegend": False,
-        "x": [stamp(outlook.times[row.request.deadline_interval]) for row in rows],
+        "x": [stamp(place) for place in places],
         "y": list(range(len(rows))),
         "text": [
             f" {safe(_short(row.request.option))} "

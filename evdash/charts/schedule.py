@@ -9,9 +9,11 @@ from evdash.domain.trace import Trace
 
 GANTT_MOST = 60
 """Beyond so many vehicles a bar is too thin to read and a heat map takes over."""
-HEIGHT_PX, TALL_PX = 600, 760
-LEAST_ROWS, TALL_FROM = 12, 43
-"""The axis has room for so many rows at least; from so many on the chart is taller."""
+LEAST_ROWS = 12
+"""The axis has room for so many rows at least."""
+HEIGHTS_PX = {30: 470, 43: 600, GANTT_MOST: 760}
+"""Height of the chart for up to so many rows; the lowest fits a laptop's window."""
+TALL_PX = 760
 
 
 def schedule_figure(trace: Trace, outlook: Outlook) -> Figure:
@@ -23,7 +25,7 @@ def schedule_figure(trace: Trace, outlook: Outlook) -> Figure:
         outlook,
         [option.name for option in trace.scenario.option],
         rows,
-        height_px=HEIGHT_PX if len(rows) < TALL_FROM else TALL_PX,
+        height_px=next(px for most, px in HEIGHTS_PX.items() if len(rows) <= most),
         lines=max(LEAST_ROWS, len(rows)),
         empty="Vehicles appear here once they are admitted",
     )

@@ -24,6 +24,16 @@ FONT_PX = 14
 HOUR_MS = 3_600_000
 MAX_TICKS = 9
 TICK_HOURS = (1, 2, 3, 4, 6, 12, 24, 48, 168)
+LEGEND = {
+    "orientation": "h",
+    "traceorder": "normal",
+    "x": 0,
+    "xanchor": "left",
+    "y": 1,
+    "yref": "container",
+    "yanchor": "top",
+    "font": {"size": FONT_PX},
+}
 CONFIG = {"displaylogo": False, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
 
 
@@ -127,16 +137,7 @@ def figure(traces: list[Trace], height: int, **layout: Any) -> Figure:
             "margin": {"l": 64, "r": 16, "t": 58, "b": 48},
             "paper_bgcolor": CLEAR,
             "plot_bgcolor": CLEAR,
-            "legend": {
-                "orientation": "h",
-                "traceorder": "normal",
-                "x": 0,
-                "xanchor": "left",
-                "y": 1,
-                "yref": "container",
-                "yanchor": "top",
-                "font": {"size": FONT_PX},
-            },
+            "legend": LEGEND,
             "hoverlabel": {"font": {"size": FONT_PX}},
             **layout,
         },

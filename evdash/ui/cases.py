@@ -24,9 +24,9 @@ CASES = (
             "Read the decision for 18:00–19:00: some are refused though a charger is free.",
             "Pick one of them under **Why was it refused?**",
         ),
-        "From 18:00 to 19:00 the station draws all the 61 kW that the transformer between 633 and "
-        "634 leaves it, with 11 of 12 chargers in use. Room on the feeder is scarce, not chargers. "
-        "Try **Remove 2 chargers** and compare: what was not scarce is missed less.",
+        "From 18:00 to 19:00 the station draws nearly all the 61 kW that the transformer between "
+        "633 and 634 leaves it, and not every charger is in use. Room on the feeder is scarce, not "
+        "chargers. Try **Remove 2 chargers** and compare: what was not scarce is missed less.",
     ),
     Case(
         "What does an expensive afternoon do?",

@@ -21,11 +21,26 @@ STYLE = """
 .st-key-clock { margin-top: -.8rem; }
 .st-key-clock p { font-size: 2.5rem; line-height: 2.5rem; font-weight: 700; margin: 0;
   font-variant-numeric: tabular-nums; }
-.st-key-sentence p { font-size: 1.3rem; line-height: 1.4; }
+.st-key-sentence p { font-size: 1.2rem; line-height: 1.35; }
+.st-key-live { gap: .5rem; }
+.st-key-prompts button { min-height: 2rem; padding: .1rem .6rem; }
+.st-key-figures [data-testid="stMetricLabel"] { min-height: 1.2rem; }
+.st-key-schedule, .st-key-decision { gap: .4rem; }
+.st-key-schedule h4, .st-key-decision h4 { padding: 0 0 .6rem; font-size: 1.2rem; }
 [data-testid="stMarkdownContainer"] table { width: 100%; font-size: .9rem; margin: 0; }
 [data-testid="stMarkdownContainer"] :is(th, td) { padding: .22rem .45rem;
   white-space: nowrap; }
 .st-key-figures [data-testid="stMetricValue"] { font-variant-numeric: tabular-nums; }
+@media print {
+  [data-testid="stSidebar"], [data-testid="stHeader"], .modebar-container,
+  .st-key-toolbar button, .st-key-prompts, .st-key-why, [data-testid="stExpander"],
+  [data-testid="stElementToolbar"], [data-testid="stTooltipIcon"] { display: none !important; }
+  [data-testid="stApp"], [data-testid="stMain"], [data-testid="stAppViewContainer"] {
+    position: static !important; overflow: visible !important; height: auto !important; }
+  [data-testid="stMainBlockContainer"] { padding: 0 !important; }
+  [data-testid="stPlotlyChart"], .st-key-decision, .st-key-figures { break-inside: avoid; }
+}
+@page { size: A4 landscape; margin: 12mm; }
 </style>
 """
 

@@ -1,6 +1,6 @@
 """What panels are put together from: the horizon as shown, charts, tables."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 import pandas as pd
 import streamlit as st
@@ -49,7 +49,7 @@ def table(rows: list[dict[str, object]], alt: str) -> None:
     st.dataframe(pd.DataFrame(rows), hide_index=True, alt=alt)
 
 
-def small_table(rows: list[dict[str, object]], height: int) -> None:
+def small_table(rows: Sequence[Mapping[str, object]], height: int) -> None:
     """A table that changes with every step: text costs a browser a tenth of a data grid."""
     fits = ROW_PX * (len(rows) + 1) <= height
     with st.container(height="content" if fits else height, border=False):

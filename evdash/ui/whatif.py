@@ -11,7 +11,6 @@ import numpy as np
 
 from evdash.domain.events import Event
 from evdash.domain.scenario import GeneratedArrivals
-from evdash.domain.trace import Trace
 from evdash.horizon.day import run_day
 from evdash.metrics.totals import Totals, totals
 from evdash.ui import run as runs
@@ -44,12 +43,15 @@ class Prompted:
     after: Run
 
     @cached_property
-    def effects(self) -> list[dict[str, object]]:
+    def effects(self) -> list[dict[str, str]]:
         """What it does by the end of the day, before and after, as rows of a table."""
-        before, after = (totals(_to_end(run.trace)) for run in (self.before, self.after))
         return [
-            {"By the end of the day": name, "Before": told(before), "After": told(after)}
-            for name, told in FIGURES.items()
+            {"By the end of the day": name}
+            | {figure: told(day) for figure, told in FIGURES.items()}
+            for name, day in (
+                ("Before", totals(run_day(self.before.trace, policy))),
+                ("After", totals(run_day(self.after.trace, policy))),
+            )
         ]
 
 
@@ -117,10 +119,6 @@ def _failure(run: Run) -> Prompt:
         "The station learns of it only then. Promises it can no longer keep are told.",
         None if event is None else lambda run: runs.foreseen(run, label, event),
     )
-
-
-def _to_end(trace: Trace) -> Trace:
-    return run_day(trace, policy)
 
 
 FIGURES: dict[str, Callable[[Totals], str]] = {

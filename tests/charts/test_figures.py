@@ -88,7 +88,7 @@ def test_gantt_bars_are_the_energy_executed_and_planned(traces: dict[str, Trace]
 
 def test_gantt_windows_end_at_the_promised_return(traces: dict[str, Trace]) -> None:
     trace = traces["evening"]
-    windows = named(schedule_figure(trace, outlook(trace)), "Promised window")
+    windows = named(schedule_figure(trace, outlook(trace)), "Promised")
     admitted = [r for r in vehicle_records(trace) if r.status != "refused"]
     assert len(windows["x"]) == len(admitted)
     for base, length, record in zip(windows["base"], windows["x"], admitted, strict=True):

@@ -59,7 +59,7 @@ def test_refused_vehicles_have_their_own_bars_and_words(traces) -> None:
     figure = fleet_figure(trace, ahead, records)
     refused = [r for r in records if r.status == "refused"]
     assert len(named(figure, "Refused")["y"]) == len(refused) > 0
-    assert len(named(figure, "Promised window")["y"]) == len(records) - len(refused)
+    assert len(named(figure, "Promised")["y"]) == len(records) - len(refused)
     words = next(t for t in figure["data"] if t.get("mode") == "text")["text"]
     assert [word.endswith("refused") for word in words] == [r.status == "refused" for r in records]
     assert named(figure, "Refused")["marker"]["pattern"]["shape"]  # never colour alone

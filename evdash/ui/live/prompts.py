@@ -7,8 +7,7 @@ from evdash.domain.scenario import Arrival
 from evdash.horizon.guests import guest_name
 from evdash.ui.cases import CASES, Case
 from evdash.ui.parts import small_table
-from evdash.ui.run import open_run
-from evdash.ui.session import Session, bundled, bundled_names
+from evdash.ui.session import Session, bundled_names
 from evdash.ui.settings import bounds, help_text
 from evdash.ui.whatif import prompts
 from evdash.ui.words import plain
@@ -106,11 +105,19 @@ def choose_case(session: Session) -> None:
     for number, case in enumerate(CASES):
         with st.container(border=True):
             st.markdown(f"**{case.question}**  \n{case.about}")
-            if st.button("Open this case", key=f"case_{number}", type="primary"):
-                folder = bundled_names()[case.preset]
-                session.take(open_run(folder, bundled(folder)))
-                st.session_state[CASE] = case
+            if st.button(
+                "Open this case",
+                on_click=_open_case,
+                args=(session, case),
+                key=f"case_{number}",
+                type="primary",
+            ):
                 st.rerun()
+
+
+def _open_case(session: Session, case: Case) -> None:
+    session.open(bundled_names()[case.preset])
+    st.session_state[CASE] = case
 
 
 def case_panel() -> None:
