@@ -12,10 +12,11 @@ from rich.markup import escape
 
 from evdash import __version__
 from evdash.cli.audit import audit
-from evdash.cli.run import POLICIES, run
+from evdash.cli.run import run
 from evdash.cli.validate import validate
 from evdash.errors import EvdashError, InputError
 from evdash.horizon.networks import NETWORKS
+from evdash.policies.registry import RULES
 
 DONE, OWN_FAILURE, WRONG_INPUT, BROKEN = 0, 1, 2, 3
 STATUSES = (
@@ -82,7 +83,12 @@ def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     )
     command.add_argument("--seed", type=int, metavar="N", help="seed of the random arrivals")
     command.add_argument(
-        "--policy", choices=sorted(POLICIES), default="p1", help="who decides (default: p1)"
+        "--policy",
+        choices=list(RULES),
+        default="p1",
+        help="who decides: the paper's p1; bid-price, which anticipates; by rule, first come "
+        "(fcfs), earliest deadline (edf) or least laxity (llf) first; uncoordinated, which keeps "
+        "no limit; oracle, which knows who will come (default: p1)",
     )
     command.add_argument(
         "--network",

@@ -54,7 +54,7 @@ def _hourly(records: tuple[IntervalRecord, ...]) -> Table:
     for name in ("station\nkW", "headroom\nkW"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("tightest\nlimit", overflow="ellipsis", no_wrap=True)
-    all_proven = all(record.status == "optimal" for record in records)
+    all_proven = all(_needs_no_word(record) for record in records)
     if not all_proven:
         table.add_column("\nplan", no_wrap=True)
     for record in records:
@@ -75,6 +75,12 @@ def _hourly(records: tuple[IntervalRecord, ...]) -> Table:
     return table
 
 
+def _needs_no_word(record: IntervalRecord) -> bool:
+    """Whether a plan is proven, or of a policy that proves nothing."""
+    unproven_p1 = record.status == "feasible" and record.objective is not None
+    return record.status != "fallback" and not unproven_p1
+
+
 def _totals(trace: Trace, day: Totals, label: RunLabel) -> Table:
     table = Table(show_header=False, pad_edge=False)
     share = f" ({day.admitted / day.arrived:.0%})" if day.arrived else ""
@@ -89,7 +95,7 @@ def _totals(trace: Trace, day: Totals, label: RunLabel) -> Table:
         ("revenue", f"$ {day.revenue:,.2f}"),
         ("energy cost", f"$ {day.energy_cost:,.2f}"),
         ("profit", f"$ {day.profit:,.2f}"),
-        ("proven optimal", _proven(trace)),
+        *([("proven optimal", _proven(trace))] if _solves_p1(trace) else []),
         ("time taken", f"{label.wall_seconds:.1f} s"),
     )
     for name, value in rows:
@@ -100,6 +106,13 @@ def _totals(trace: Trace, day: Totals, label: RunLabel) -> Table:
 def _proven(trace: Trace) -> str:
     optimal = sum(step.plan.report.status == "optimal" for step in trace.steps)
     return f"{optimal} of {len(trace.steps)} intervals, to the cent"
+
+
+def _solves_p1(trace: Trace) -> bool:
+    return any(
+        step.plan.report.status != "fallback" and step.plan.report.objective is not None
+        for step in trace.steps
+    )
 
 
 def _print_reasons(console: Console, trace: Trace) -> None:

@@ -2,15 +2,14 @@
 
 import argparse
 import time
-from collections.abc import Callable, Mapping
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from evdash.cli.report import print_explanations, print_report
-from evdash.domain.plan import Policy
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
+from evdash.errors import Fault, InputError
 from evdash.explain.refusals import Explanation, explanations
 from evdash.files.bundled import DEFAULT
 from evdash.files.explanation_table import EXPLANATIONS, explanations_text
@@ -21,14 +20,16 @@ from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day
 from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.totals import totals
-from evdash.scheduling.p1 import p1_policy
+from evdash.policies.registry import RULES, Rule
 
-POLICIES: Mapping[str, Callable[[], Policy]] = {"p1": p1_policy}
+EXPLAINED = "p1"
+"""The policy whose refusals can be explained: by solving its problem again."""
 BROKEN = 3
 
 
 def run(options: argparse.Namespace) -> int:
     """Run a scenario; 3 if a promise or a limit was broken, 0 otherwise."""
+    _check_explained(options)
     if options.out is not None:
         check_target(options.out, options.force)
     began = time.perf_counter()
@@ -36,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     if options.seed is not None:
         settings += (Setting("arrivals.seed", options.seed),)
     scenario = read_scenario(options.scenario or DEFAULT, settings)
-    trace = _with_progress(scenario, options.network, POLICIES[options.policy]())
+    trace = _with_progress(scenario, options.network, RULES[options.policy])
     verdict = judge(trace, linear_breaches(trace))
     label = RunLabel(
         policy=options.policy,
@@ -54,6 +55,12 @@ def run(options: argparse.Namespace) -> int:
     if options.out is None:
         print_explanations(explained)
     return BROKEN if totals(trace).broken or verdict.broken_by_station(options.network) else 0
+
+
+def _check_explained(options: argparse.Namespace) -> None:
+    if options.explain and options.policy != EXPLAINED:
+        fault = Fault("--explain", f"--policy {options.policy}", f"explains {EXPLAINED} alone")
+        raise InputError([fault])
 
 
 def _explained(trace: Trace) -> tuple[Explanation, ...]:
@@ -77,7 +84,7 @@ def _progress() -> Progress:
     return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
-def _with_progress(scenario: Scenario, network: Network, policy: Policy) -> Trace:
+def _with_progress(scenario: Scenario, network: Network, rule: Rule) -> Trace:
     with _progress() as progress:
         task = progress.add_task("preparing", total=scenario.intervals)
 
@@ -85,4 +92,5 @@ def _with_progress(scenario: Scenario, network: Network, policy: Policy) -> Trac
             clock = f"{scenario.time_of(trace.now):%H:%M}"
             progress.update(task, completed=trace.now, description=f"deciding {clock}")
 
-        return run_day(start_day(scenario, network), policy, told)
+        trace = start_day(scenario, network)
+        return run_day(trace, rule.make(trace.inputs), told, rule.decide)

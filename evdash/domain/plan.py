@@ -16,7 +16,8 @@ class Snapshot:
     """Everything known at the start of interval `now`, and nothing of later arrivals.
 
     Slots count from now: slot 0 is the interval being decided. Shapes: price_per_kwh
-    (slots,), tail_kw (contracts, slots); `rows` covers the same slots.
+    (slots,), tail_kw (contracts, slots); `rows` covers the same slots. `asked` counts the
+    requests of every interval before this one.
     """
 
     now: int
@@ -27,6 +28,7 @@ class Snapshot:
     contracts: tuple[Contract, ...]
     requests: tuple[Request, ...]
     tail_kw: Floats
+    asked: tuple[int, ...] = ()
 
     @property
     def n_slots(self) -> int:
@@ -57,7 +59,8 @@ class Plan:
     """Power of every vehicle under contract over the coming slots, and who is under contract.
 
     Row n of `power_kw` (vehicles, slots), in kW, belongs to `vehicles[n]`: first the
-    snapshot's contracts in their order, then the newly admitted.
+    snapshot's contracts in their order, then the newly admitted. `capacity_price_per_kwh`
+    (slots,), in $/kWh, is what a policy that anticipates charged for each slot's capacity.
     """
 
     now: int
@@ -66,6 +69,7 @@ class Plan:
     admitted: tuple[str, ...] = ()
     refused: tuple[Refusal, ...] = ()
     report: SolveReport = field(default_factory=lambda: SolveReport("feasible"))
+    capacity_price_per_kwh: Floats | None = None
 
     def __post_init__(self) -> None:
         self.power_kw.setflags(write=False)

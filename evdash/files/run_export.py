@@ -29,7 +29,7 @@ from evdash.grid.acbreaches import ac_breaches
 from evdash.grid.acflow import AcResult, ac_flow
 from evdash.grid.lindistflow import voltage_pu
 from evdash.grid.radial import radial_feeder
-from evdash.metrics.breaches import in_force_only
+from evdash.metrics.breaches import charger_breaches, in_force_only
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.totals import Totals, totals
 
@@ -50,7 +50,8 @@ class RunLabel:
 class Verdict:
     """A whole day held against its limits, in the linearised model and in AC.
 
-    `linear` and `ac` list every limit exceeded, by the station or by the feeder itself;
+    `linear` and `ac` list every limit exceeded, by the station or by the feeder itself, and in
+    both intervals with more vehicles charging than chargers;
     `voltage_pu` (intervals, nodes) is the linearised voltage under the executed schedule.
     """
 
@@ -80,9 +81,11 @@ def judge(trace: Trace, linear: Sequence[Breach]) -> Verdict:
     station_kw = executed_station_kw(trace)
     executed = ac_flow(scenario, station_kw)
     base = ac_flow(scenario, np.zeros(len(station_kw)))
+    ac = in_force_only(trace, lambda scenario: ac_breaches(scenario, executed, base))
+    chargers = charger_breaches(trace)
     return Verdict(
-        linear=tuple(linear),
-        ac=in_force_only(trace, lambda scenario: ac_breaches(scenario, executed, base)),
+        linear=(*linear, *chargers),
+        ac=(*ac, *chargers),
         flow=executed,
         voltage_pu=voltage_pu(scenario, radial_feeder(scenario), station_kw),
     )

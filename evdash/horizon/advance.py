@@ -35,6 +35,7 @@ def snapshot_of(inputs: Inputs, state: State) -> Snapshot:
         contracts=state.contracts,
         requests=requests,
         tail_kw=state.tail_kw,
+        asked=tuple(len(group) for group in inputs.requests[: state.now]),
     )
 
 

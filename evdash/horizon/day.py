@@ -13,6 +13,10 @@ from evdash.horizon.happen import reached
 from evdash.horizon.inputs import prepare
 from evdash.horizon.networks import limit_check
 
+Decide = Callable[[Policy, Snapshot, LimitCheck], Plan]
+"""How a policy's answer comes to count: `certified_plan`, or `answered_plan` where no limit is
+to be kept."""
+
 
 def start_day(scenario: Scenario, network: Network = "lindistflow") -> Trace:
     """A day about to begin."""
@@ -24,19 +28,26 @@ def begin(inputs: Inputs) -> Trace:
     return reached(Trace(inputs=inputs, state=initial_state(inputs.scenario.intervals)))
 
 
-def run_day(trace: Trace, policy: Policy, on_step: Callable[[Trace], None] | None = None) -> Trace:
+def run_day(
+    trace: Trace,
+    policy: Policy,
+    on_step: Callable[[Trace], None] | None = None,
+    decide: Decide | None = None,
+) -> Trace:
     """Step to the end of the horizon, telling `on_step` after every step."""
     inputs, check = trace.inputs, limit_check(trace.inputs)
     while not trace.is_over:
         if trace.inputs is not inputs:  # something has happened
             inputs, check = trace.inputs, limit_check(trace.inputs)
-        trace = step(trace, policy, check)
+        trace = step(trace, policy, check, decide)
         if on_step is not None:
             on_step(trace)
     return trace
 
 
-def step(trace: Trace, policy: Policy, check: LimitCheck | None = None) -> Trace:
+def step(
+    trace: Trace, policy: Policy, check: LimitCheck | None = None, decide: Decide | None = None
+) -> Trace:
     """Decide the interval `trace.now` and carry it out, up to what happens as the next begins.
 
     The trace given stays as it was.
@@ -44,7 +55,7 @@ def step(trace: Trace, policy: Policy, check: LimitCheck | None = None) -> Trace
     inputs, before = trace.inputs, trace.state
     check = check or limit_check(inputs)
     snapshot = snapshot_of(inputs, before)
-    plan = certified_plan(policy, snapshot, check)
+    plan = (decide or certified_plan)(policy, snapshot, check)
     after = advance(before, plan, snapshot.requests, snapshot.interval_hours)
     taken = Step(before=before, inputs=inputs, requests=snapshot.requests, plan=plan, after=after)
     return reached(replace(trace, state=after, steps=(*trace.steps, taken)))
@@ -66,6 +77,13 @@ def certified_plan(policy: Policy, snapshot: Snapshot, check: LimitCheck) -> Pla
     if not problems:
         contracts = contracts_under(plan, snapshot.contracts, snapshot.requests)
         problems = plan_problems(check, contracts, plan)
+    return fallback(snapshot, "; ".join(problems)) if problems else plan
+
+
+def answered_plan(policy: Policy, snapshot: Snapshot, check: LimitCheck) -> Plan:
+    """The policy's plan if it answers the snapshot, whatever it does to the limits."""
+    plan = policy(snapshot)
+    problems = answer_problems(plan, snapshot)
     return fallback(snapshot, "; ".join(problems)) if problems else plan
 
 

@@ -48,10 +48,11 @@ class LinearProgram:
 
 @dataclass(frozen=True, slots=True)
 class LpPoint:
-    """The optimum of an LP: values and reduced costs, each (columns,), and objective."""
+    """The optimum of an LP: values and reduced costs, each (columns,), row duals, objective."""
 
     values: Floats
     reduced_cost: Floats
+    row_dual: Floats
     objective: float
 
 
@@ -120,6 +121,7 @@ class Session:
         return LpPoint(
             values=np.array(solution.col_value),
             reduced_cost=np.array(solution.col_dual),
+            row_dual=np.array(solution.row_dual),
             objective=self.solver.getInfo().objective_function_value,
         )
 

@@ -33,7 +33,7 @@ class Columns:
 
     @property
     def total(self) -> int:
-        return int(self.u[-1]) + 1
+        return self.n_pairs + int((self.d >= 0).sum()) + len(self.u)
 
 
 def columns_of(problem: Problem, charges: Charges, charger_slots: Bools) -> Columns:

@@ -13,7 +13,7 @@ from evdash.scheduling.fast.columns import Columns, columns_of
 from evdash.scheduling.fast.deadlines import energy_by_deadlines, slots_by_deadlines
 from evdash.scheduling.highs import LinearProgram
 from evdash.scheduling.problem import Bools, Problem
-from evdash.scheduling.rows import Rows
+from evdash.scheduling.rows import Indices, Rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,13 +92,18 @@ def power_only_under_contract(rows: Rows, at: Columns, charges: Charges, problem
 
 
 def feeder_limit(rows: Rows, at: Columns, charges: Charges, headroom_kw: Floats) -> None:
-    """(1)–(4), (8) Σ_n P ≤ headroom, in the slots where all together could exceed it."""
-    most = np.bincount(at.slot, charges.top_kw[at.vehicle], minlength=len(headroom_kw))
-    tight = np.flatnonzero(most > headroom_kw)
+    """(1)–(4), (8) Σ_n P ≤ headroom, in the limited slots."""
+    tight = limited_slots(at, charges, headroom_kw)
     place = np.full(len(headroom_kw), -1)
     place[tight] = np.arange(len(tight))
     pairs = np.flatnonzero(place[at.slot] >= 0)
     rows.add(len(tight), -np.inf, headroom_kw[tight], (place[at.slot[pairs]], pairs, 1.0))
+
+
+def limited_slots(at: Columns, charges: Charges, headroom_kw: Floats) -> Indices:
+    """Slots where all together could exceed the headroom, in order."""
+    most = np.bincount(at.slot, charges.top_kw[at.vehicle], minlength=len(headroom_kw))
+    return np.flatnonzero(most > headroom_kw)
 
 
 def charger_count(rows: Rows, at: Columns, problem: Problem, charger_slots: Bools) -> None:

@@ -1,0 +1,96 @@
+"""The admissions of least mean cost, against trying every set."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from evdash.horizon.advance import initial_state, snapshot_of
+from evdash.horizon.inputs import prepare
+from evdash.policies.expectation import best_admissions, expectation_of, sampled_days
+from tests.builders import make_scenario, vehicle
+
+HOURS = 5
+
+
+@st.composite
+def crowds(draw):
+    """A snapshot with newcomers, and three futures."""
+    asking = [
+        vehicle(
+            f"{n}",
+            need_kwh=draw(st.integers(4, 30)),
+            battery_kwh=80.0,
+            option=draw(st.sampled_from(["C1", "C2"])),
+        )
+        for n in range(draw(st.integers(1, 5)))
+    ]
+    scenario = make_scenario(
+        price=[draw(st.integers(5, 35)) / 100 for _ in range(HOURS)],
+        station={"chargers": draw(st.integers(1, 3))},
+        lines=(
+            {
+                "from_node": "s",
+                "to_node": "a",
+                "r_ohm": 0.1,
+                "x_ohm": 0.1,
+                "rating_kva": draw(st.integers(8, 30)),
+            },
+        ),
+        vehicles=asking,
+    )
+    futures = []
+    for future in range(3):
+        coming = [
+            vehicle(
+                f"f{future}-{n}",
+                hour=draw(st.integers(1, HOURS - 1)),
+                battery_kwh=80.0,
+                need_kwh=draw(st.integers(4, 30)),
+                option=draw(st.sampled_from(["C1", "C2"])),
+            )
+            for n in range(draw(st.integers(0, 4)))
+        ]
+        known = prepare(scenario.model_copy(update={"arrivals": _recorded(scenario, coming)}))
+        futures.append(tuple(r for group in known.requests[1:-1] for r in group if not r.refusal))
+    inputs = prepare(scenario)
+    return snapshot_of(inputs, initial_state(HOURS)), futures
+
+
+def _recorded(scenario, coming):
+    return make_scenario(price=[0.1] * HOURS, vehicles=coming).arrivals
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(crowds())
+def test_no_other_set_is_a_cent_better_in_the_mean(crowd):
+    snapshot, futures = crowd
+    n = sum(not request.refusal for request in snapshot.requests)
+    best = best_admissions(sampled_days(snapshot, futures, n), n, rounds=2**n)
+    tried = [
+        expectation_of(sampled_days(snapshot, futures, n), np.array(admitted, dtype=float))
+        for admitted in product((0, 1), repeat=n)
+    ]
+    least = min(found.cost for found in tried if found is not None)
+    assert best.cost <= least + 0.0101
+
+
+def test_prices_tell_what_the_expected_would_pay():
+    """One charger, one slot at noon wanted by an expected payer of 0.4 $/kWh, energy 0.1 $/kWh."""
+    scenario = make_scenario(
+        price=(0.1, 0.1),
+        station={"chargers": 5, "max_kw": 10.0},
+        lines=(
+            {"from_node": "s", "to_node": "a", "r_ohm": 0.001, "x_ohm": 0.001, "rating_kva": 10.0},
+        ),
+        vehicles=[
+            vehicle("later", hour=1, need_kwh=10.0, max_kw=10.0),
+            vehicle("too", hour=1, need_kwh=10.0, max_kw=10.0),
+        ],
+    )
+    inputs = prepare(scenario)
+    snapshot = snapshot_of(inputs, initial_state(2))
+    found = expectation_of(sampled_days(snapshot, [inputs.requests[1]], 0), np.zeros(0))
+    assert found.energy_price == pytest.approx([0.0, 0.3])
