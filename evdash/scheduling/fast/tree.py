@@ -19,7 +19,7 @@ from evdash.scheduling.fast.search import Search, is_whole
 from evdash.scheduling.highs import LpPoint
 
 CUT_ROUNDS = 4
-NODES, WORK = 300, 60_000
+NODES, WORK = 300, 150_000
 """At most so many LPs, and so many LPs times pairs of vehicle and slot; then HiGHS takes over."""
 LEAVES = 12
 
