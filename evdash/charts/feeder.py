@@ -96,7 +96,6 @@ def _colours(moment: Moment, values: Sequence[float]) -> dict[str, Any]:
     if moment.way == "difference":
         return {
             "colorscale": "Cividis",
-            "reversescale": True,
             "cmin": 0.0,
             "cmax": max(LEAST_DROP_PU, *values),
             "colorbar": bar | {"tickformat": ".4f", "title": {"text": "pu lower"}},
