@@ -1,7 +1,7 @@
 """Recourse worked again by other code: scipy's MILP on arrays, from contracts and rows alone.
 
 Shares nothing with `evdash.scheduling` and `evdash.horizon`. HiGHS is behind scipy, too, but
-asked in another form, with presolve and without, the better point counting.
+asked in another form; where answers differ, with presolve and without, the better point counting.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from evdash.domain.vehicles import Contract
 
 HAIR = 1e-6
 SECONDS = 60.0
-NOTHING_KWH = 1e-5
+ONE, BOTH = (True,), (True, False)
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,10 @@ def _claim(contract: Contract, now: int, hours: float, events: Sequence[Event]) 
 class Schedules:
     """All schedules of some claims: P and D of every vehicle and slot, short and z of each."""
 
-    def __init__(self, inputs: Inputs, now: int, claims: Sequence[Claim]) -> None:
-        self.claims = claims
+    def __init__(
+        self, inputs: Inputs, now: int, claims: Sequence[Claim], presolves: Sequence[bool]
+    ) -> None:
+        self.claims, self.presolves = claims, presolves
         self.hours = inputs.scenario.interval_minutes / 60
         self.slots = inputs.scenario.intervals - now
         self.n = len(claims)
@@ -128,7 +130,7 @@ class Schedules:
         whole = np.zeros(self.total)
         whole[self.D] = whole[self.z] = 1
         values = []
-        for presolve in (True, False):
+        for presolve in self.presolves:
             options = {"presolve": presolve, "time_limit": SECONDS, "mip_rel_gap": 0.0}
             found = milp(
                 weight,
@@ -153,11 +155,16 @@ class Schedules:
         return weight
 
 
-def least_of(inputs: Inputs, now: int, claims: Sequence[Claim]) -> Least | None:
-    """The least shortfall of firm claims, then the rest in its order; None if not found in time."""
+def least_of(
+    inputs: Inputs, now: int, claims: Sequence[Claim], presolves: Sequence[bool] = ONE
+) -> Least | None:
+    """The least shortfall of firm claims, then the rest in its order; None if not found in time.
+
+    `presolves`: HiGHS is asked with or without presolve, or both, as either errs at times.
+    """
     if not claims:
         return Least(0.0, 0, 0.0)
-    all_of_them = Schedules(inputs, now, claims)
+    all_of_them = Schedules(inputs, now, claims, presolves)
     firm = [n for n, claim in enumerate(claims) if claim.firm]
     own = [n for n, claim in enumerate(claims) if not claim.firm]
     found: list[float] = []
@@ -196,7 +203,7 @@ def most_more(inputs: Inputs, now: int, claims: Sequence[Claim], asker: str, ext
         else claim
         for claim in claims
     ]
-    schedules = Schedules(inputs, now, larger)
+    schedules = Schedules(inputs, now, larger, BOTH)
     for n, claim in enumerate(larger):
         schedules.upper[schedules.short[n]] = extra if claim.vehicle == asker else 0.0
     missing = schedules.least(schedules.column_weight(schedules.short))

@@ -146,7 +146,9 @@ def with_own_change(contract: Contract, events: Sequence[Event]) -> Contract:
             request = replace(request, deadline_interval=until)
         elif event.event == "late" and event.from_interval is not None:
             back = max(request.arrival_interval, event.from_interval)
-            request = replace(request, arrival_interval=back)
+            # who is back at once has not been away
+            away = back > max(event.interval, request.arrival_interval)
+            request = replace(request, arrival_interval=back) if away else request
     return contract if request == contract.request else replace(contract, request=request)
 
 

@@ -24,9 +24,9 @@ from evdash.scheduling.equations import (
     Model,
     build,
     fewest_vehicles_short,
+    least_given_up,
     least_money,
 )
-from evdash.scheduling.equations import least_given_up as most_granted
 from evdash.scheduling.problem import Problem, contracts_problem
 from evdash.scheduling.reference import minimise_with_highs, power_of
 
@@ -37,6 +37,7 @@ HAIR = 1e-6
 """How far above its least an objective may end for the sake of those after it, kWh or count."""
 GAPS: Mapping[Equation, float] = {fewest_vehicles_short: 0.5, least_money: 0.005}
 """What proves the least of an objective that is not in kWh: a count, or half a cent."""
+ROUNDING = 1e-9
 NOTICED_KWH = 10 * ENERGY_TOLERANCE_KWH
 """Shortfall below this is the solver's tolerance and none."""
 
@@ -53,31 +54,61 @@ class Recourse:
     proven: bool = True
 
 
+def fits_alone(model: Model) -> None:
+    """Implied by (6b), (7b) and the limits: P ≤ min(high, headroom, s/Δt)·D."""
+    data, headroom = model.data, model.data.rows.headroom_kw()
+    for n in model.vehicles:
+        for t in model.slots:
+            most = min(headroom[t], data.owed_kwh[n] / data.interval_hours)
+            if most < data.high_kw[n]:
+                model.lp += model.P[n][t] <= float(most) * model.D[n][t], f"fits_{n}_{t}"
+
+
+def fit_at_once(model: Model) -> None:
+    """Implied by (6b) and the limits: no more run than fit at their lowest powers.
+
+    Without this the relaxation runs everybody at half the lowest power, and proofs take minutes.
+    """
+    lowest = np.cumsum(np.sort(model.data.low_kw))
+    headroom = model.data.rows.headroom_kw() * (1 + ROUNDING) + ROUNDING
+    for t in model.slots:
+        most = int((lowest <= headroom[t]).sum())
+        if most < min(model.data.chargers, model.data.n_vehicles):
+            running = pulp.lpSum(model.D[n][t] for n in model.vehicles)
+            model.lp += running <= most, f"at_once_{t}"
+
+
 def least_shortfall(problem: Problem, seconds: float = SECONDS) -> Recourse:
     """The schedule that misses least, by all objectives in their order.
 
     Raises SolverFailure if none was found in time.
     """
     ends = time.perf_counter() + seconds
-    model = build(problem, RECOURSE, "recourse")
-    proven, power = False, problem.tail_kw
-    for objective in RECOURSE_OBJECTIVES:
-        left = max(0.5, ends - time.perf_counter())
-        if objective is not RECOURSE_OBJECTIVES[0]:
-            left = min(left, SECONDS_A_TIE)
-            if _nothing_missing(problem, power):
-                break
+    model = build(problem, (*RECOURSE, fits_alone, fit_at_once), "recourse")
+    first, *ties = RECOURSE_OBJECTIVES
+    least = _minimised(model, first, seconds)
+    proven, power = model.lp.sol_status == pulp.LpSolutionOptimal, power_of(model)
+    for objective in ties:
+        if not _open(problem, power, objective):
+            continue
+        model.lp += model.lp.objective <= least + HAIR, f"held_before_{objective.__name__}"
         try:
-            least = _minimised(model, objective, left)
+            left = min(SECONDS_A_TIE, max(0.5, ends - time.perf_counter()))
+            least, power = _minimised(model, objective, left), power_of(model)
         except SolverFailure:
-            if objective is RECOURSE_OBJECTIVES[0]:
-                raise
             break  # what was found by the objectives before it stands
-        if objective is RECOURSE_OBJECTIVES[0]:
-            proven = model.lp.sol_status == pulp.LpSolutionOptimal
-        power = power_of(model)
-        model.lp += model.lp.objective <= least + HAIR, f"least_{objective.__name__}"
     return _settled(problem, power, proven)
+
+
+def _open(problem: Problem, power_kw: Floats, objective: Equation) -> bool:
+    """Whether an objective after the first can still change anything."""
+    missing = problem.owed_kwh - power_kw.sum(axis=1) * problem.interval_hours
+    short = missing > NOTICED_KWH
+    if objective is fewest_vehicles_short:
+        return int(short[: problem.n_contracts].sum()) > 1
+    if objective is least_given_up:
+        return bool(short[problem.n_contracts :].any())
+    return bool(short.any())
 
 
 def _minimised(model: Model, objective: Equation, seconds: float) -> float:
@@ -85,11 +116,6 @@ def _minimised(model: Model, objective: Equation, seconds: float) -> float:
     objective(model)
     minimise_with_highs(model, seconds, absolute_gap=GAPS.get(objective, HAIR / 10))
     return float(pulp.value(model.lp.objective) or 0.0)
-
-
-def _nothing_missing(problem: Problem, power_kw: Floats) -> bool:
-    delivered = power_kw.sum(axis=1) * problem.interval_hours
-    return bool((problem.owed_kwh - delivered <= NOTICED_KWH).all())
 
 
 def _settled(problem: Problem, power_kw: Floats, proven: bool) -> Recourse:
@@ -108,11 +134,11 @@ def most_energy_for(problem: Problem, extra_kwh: float, seconds: float = SECONDS
     The last vehicle's energy owed includes the extra. Raises SolverFailure if there is no such
     schedule, or none was found in time.
     """
-    model = build(problem, RECOURSE, "extra")
+    model = build(problem, (*RECOURSE, fits_alone, fit_at_once), "extra")
     for short in model.short_kwh:
         short.upBound = 0.0
     model.short_kwh[-1].upBound = extra_kwh
-    _minimised(model, most_granted, seconds)
+    _minimised(model, least_given_up, seconds)
     return _settled(problem, power_of(model), model.lp.sol_status == pulp.LpSolutionOptimal)
 
 

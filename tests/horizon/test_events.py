@@ -173,6 +173,12 @@ def test_who_is_late_waits_and_p1_plans_around_it():
     assert row == pytest.approx([4.0, 0.0, 8.0])
 
 
+def test_who_is_back_at_once_has_changed_nothing_and_may_not_be_blamed():
+    late = event("late", subject="a", from_interval=1)
+    _, happening = told(begun(), late, event("chargers", value=0))
+    assert [r.short_kwh for r in happening.revisions] == pytest.approx([8.0, 8.0])
+
+
 def test_more_is_granted_as_far_as_promises_leave_room():
     trace = begun([4, 4, 4], **with_headroom([30.0, 9.0, 9.0, 0.0, 0.0]))
     after, happening = told(trace, event("asks_more", subject="a", value=5.0))
