@@ -119,6 +119,11 @@ def test_two_runs_are_pinned_and_compared(live: LivePage) -> None:
         expect(page.locator(f".st-key-chart_compare_{chart} .js-plotly-plot")).to_have_count(1)
     page.get_by_role("radio", name="Headroom").click()
     settle(page)
+    page.reload()
+    figures.wait_for(timeout=30_000)
+    settle(page)
+    expect(figures).to_contain_text("Half the chargers")
+    expect(figures.locator("tr", has_text="Admitted")).to_contain_text("−")
     main = page.locator("[data-testid=stMain]")
     assert main.evaluate("e => e.scrollWidth - e.clientWidth") == 0
 
