@@ -22,6 +22,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--days", type=int, default=100)
     parser.add_argument("--out", type=Path, default=PAPER_DAYS)
+    parser.add_argument("--note", default="", help="what else may have borne on the times")
     asked = parser.parse_args()
     scenario = read_scenario(DEFAULT)
     days = []
@@ -34,7 +35,7 @@ def main() -> None:
         f"median {statistics.median(seconds):.2f} s"
     )
     asked.out.parent.mkdir(parents=True, exist_ok=True)
-    text = days_text(measured(scenario, days, "python -m benchmarks.paper_days"))
+    text = days_text(measured(scenario, days, "python -m benchmarks.paper_days", asked.note))
     asked.out.write_text(text, encoding="utf-8", newline="\n")
 
 

@@ -10,11 +10,15 @@ from evdash.ui.session import current
 page.by_way_of_app("pages/compare.py")
 session = current()
 pins = current_pins(session)
-board.pin_present(session, pins)
-board.pinned(session, pins)
 held = held_together(session, pins)
+left, right = st.columns([3, 1], gap="medium", vertical_alignment="top")
+with left:
+    board.pin_present(session, pins)
+with right:
+    base = overlays.reference(held)
+board.pinned(session, pins)
 board.how_far(held, pins)
 progress = st.container()
-overlays.comparison(held)
+overlays.comparison(held, base)
 with progress:
     board.run_on(session, pins)

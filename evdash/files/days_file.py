@@ -19,9 +19,13 @@ PAPER_DAYS = Path(__file__).parents[2] / "data" / "results" / "paper_days.json"
 
 @dataclass(frozen=True, slots=True)
 class MeasuredDays:
-    """Days measured once: when, of which scenario, on what, and each of them."""
+    """Days measured once: when, of which scenario, on what, and each of them.
+
+    `note` says what else may have borne on the times.
+    """
 
     made_by: str
+    note: str
     made_on: str
     scenario: str
     scenario_sha256: str
@@ -30,11 +34,14 @@ class MeasuredDays:
     days: tuple[DayTaken, ...]
 
 
-def measured(scenario: Scenario, days: Sequence[DayTaken], made_by: str) -> MeasuredDays:
+def measured(
+    scenario: Scenario, days: Sequence[DayTaken], made_by: str, note: str = ""
+) -> MeasuredDays:
     """Days just run on this machine."""
     files = {name: text.encode() for name, text in scenario_files(scenario).items()}
     return MeasuredDays(
         made_by=made_by,
+        note=note,
         made_on=date.today().isoformat(),
         scenario=scenario.name,
         scenario_sha256=scenario_hash(files),

@@ -9,6 +9,7 @@ from evdash.files.differences import scenario_differences
 from evdash.metrics.outlook import outlook
 from evdash.ui.compare.figures import figures
 from evdash.ui.compare.pins import Held
+from evdash.ui.glossary import meaning
 from evdash.ui.parts import table_below
 from evdash.ui.settings import NETWORK_NAMES, edit_log
 from evdash.ui.words import markdown_table, plain
@@ -17,23 +18,27 @@ LOADS = ("Station load", "Headroom", "Energy price")
 ADMISSIONS = ("Admitted", "Refused")
 
 
-def comparison(held: list[Held]) -> None:
-    """Figures, what differs in the inputs, and the charts; nothing where there is one run only."""
+def reference(held: list[Held]) -> Held | None:
+    """The run that others are compared against; none where there is one run only."""
     if len(held) < 2:
-        return
-    names = [run.name for run in held]
+        return None
     against = st.selectbox(
         "Compare against",
-        names,
+        [run.name for run in held],
         key="against",
         persist_state="session",
-        width=420,
         help="Differences are to this run.",
     )
-    base = next((run for run in held if run.name == against), held[0])
+    return next((run for run in held if run.name == against), held[0])
+
+
+def comparison(held: list[Held], base: Held | None) -> None:
+    """Figures, what differs in the inputs, and the charts."""
+    if base is None:
+        return
     left, right = st.columns([3, 2], gap="medium")
     with left:
-        st.markdown("#### What came of it")
+        st.markdown("#### What came of it", help=meaning("AC power flow"))
         figures(held, base)
     with right:
         st.markdown("#### What differs in the inputs")
@@ -44,16 +49,18 @@ def comparison(held: list[Held]) -> None:
     st.space("small")
     left, right = st.columns(2, gap="medium")
     with left:
-        _chart(runs, "Load and price", "compare_load", LOADS)
+        _chart(runs, "Load and price", "compare_load", LOADS, "Headroom")
     with right:
-        _chart(runs, "Admissions", "compare_admissions", ADMISSIONS)
-    _chart(runs, "Lowest voltage", "compare_voltage", ("Lowest voltage",))
+        _chart(runs, "Admissions", "compare_admissions", ADMISSIONS, "Admitted")
+    _chart(runs, "Lowest voltage", "compare_voltage", ("Lowest voltage",), "pu")
 
 
-def _chart(runs: list[Compared], title: str, key: str, quantities: tuple[str, ...]) -> None:
+def _chart(
+    runs: list[Compared], title: str, key: str, quantities: tuple[str, ...], term: str
+) -> None:
     quantity = quantities[0]
     with st.container(horizontal=True, vertical_alignment="center", key=f"{key}_head"):
-        st.markdown(f"#### {title}", width="content")
+        st.markdown(f"#### {title}", width="content", help=f"{term}: {meaning(term)}")
         if len(quantities) > 1:
             quantity = st.segmented_control(
                 "What to show",
@@ -87,5 +94,5 @@ def differences(base: Held, run: Held) -> None:
     else:
         st.caption(f"The inputs of {plain(run.name)} are the same.")
     log = edit_log(run.whole, run.run.opened, outlook(run.whole))
-    if run.whole.steps and log:
+    if log and any(step.inputs is not run.whole.steps[0].inputs for step in run.whole.steps):
         st.caption(f"{plain(run.name)} was changed on the way:  \n" + "  \n".join(log))

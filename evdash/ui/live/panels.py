@@ -5,6 +5,7 @@ import streamlit as st
 from evdash.charts.admissions import admissions_alt, admissions_figure, admissions_table
 from evdash.charts.load import load_alt, load_table, normalised_figure, units_figure
 from evdash.charts.schedule import schedule_alt, schedule_figure, schedule_table
+from evdash.ui.glossary import meaning
 from evdash.ui.parts import chart, table_below, view
 from evdash.ui.session import Session
 
@@ -56,6 +57,5 @@ def load(session: Session) -> None:
 
 LOAD_HELP = (
     "As shares: station load and headroom of the rating nearest to the station, feeder load of "
-    "its peak, price of its highest. Headroom: the most the station may draw so that no limit "
-    "of the feeder is exceeded."
+    f"its peak, price of its highest. Headroom: {meaning('Headroom')}"
 )

@@ -11,6 +11,7 @@ from evdash.charts.voltages import (
 )
 from evdash.domain.outlook import Outlook
 from evdash.metrics.ac import AcPoint
+from evdash.ui.glossary import meaning
 from evdash.ui.parts import chart, small_table, table_below, view
 from evdash.ui.referee import referee
 from evdash.ui.session import Session
@@ -62,8 +63,8 @@ def voltages(session: Session) -> None:
 
 WAYS = ("With charging", "Without", "Difference")
 VOLTAGE_HELP = (
-    "Per unit (pu): as a share of nominal voltage. The optimiser works with a linearised model "
-    "of the feeder; the full AC power flow, which knows losses, checks what was executed."
+    f"pu: {meaning('pu')} The optimiser works with a linearised model of the feeder; the full AC "
+    "power flow, which knows losses, checks what was executed."
 )
 
 

@@ -180,7 +180,7 @@ def _where(ours: Study) -> None:
         f"**Measured** {made.made_on} with `{made.made_by}` on {plain(made.scenario)}: "
         f"{plain(machine['processor'])}, {machine['cores']} cores, {plain(machine['system'])}, "
         f"Python {versions['python']}, HiGHS {versions['highspy']}, NumPy {versions['numpy']}, "
-        f"evdash {versions['evdash']}."
+        f"evdash {versions['evdash']}{f'; {plain(made.note)}' if made.note else ''}."
     )
     if ours.days:
         told += (

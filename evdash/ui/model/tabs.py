@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from evdash.ui.glossary import GLOSSARY
+from evdash.ui.glossary import GLOSSARY, meaning
 from evdash.ui.model import equations, paper, study
 from evdash.ui.session import Session
 from evdash.ui.words import plain
@@ -34,7 +34,7 @@ def tabs(session: Session) -> None:
 
 def in_numbers(session: Session) -> None:
     """P1 with this run's numbers in it."""
-    st.markdown(INTRODUCTION)
+    st.markdown(INTRODUCTION, help=f"{meaning('P1')} {meaning('MILP')}")
     equations.equations(session)
 
 
@@ -49,7 +49,11 @@ def glossary(session: Session) -> None:
     }
     with st.container(key="glossary"):
         if found:
-            for term, told in found.items():
-                st.markdown(f"**{plain(term)}**  \n{plain(told)}")
+            terms, columns = list(found.items()), st.columns(2, gap="large")
+            half = -(-len(terms) // 2)
+            for column, part in zip(columns, (terms[:half], terms[half:]), strict=True):
+                with column:
+                    for term, told in part:
+                        st.markdown(f"**{plain(term)}**  \n{plain(told)}")
         else:
             st.caption(f"No word here has “{plain(wanted)}” in it.")

@@ -69,7 +69,7 @@ def feeder(editor: Editor) -> None:
     for place, name in enumerate(numbers, 1):
         with columns[place % 4]:
             fields.number(editor, ("feeder", name), declared[name])
-    left, right = st.columns([3, 2], gap="medium")
+    left, right = st.columns([4, 3], gap="medium")
     with left:
         st.markdown("#### Nodes")
         table(editor, "nodes.csv", "Loads are peak values, three-phase totals. Blank means none.")
@@ -125,7 +125,8 @@ def events(editor: Editor) -> None:
     table(editor, "events.csv", told)
     with st.expander("What can happen"):
         rows: list[dict[str, object]] = [
-            {"event": kind, "means": form.meaning} for kind, form in EVENT_FORMS.items()
+            {"event": kind, "means": form.meaning.replace("`", "")}
+            for kind, form in EVENT_FORMS.items()
         ]
         st.markdown(markdown_table(rows))
 
