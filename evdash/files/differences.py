@@ -153,6 +153,8 @@ def _rows(count: int) -> str:
 def _worded(value: object) -> str:
     if value is None:
         return ABSENT
+    if isinstance(value, tuple) and len(value) > MOST_ROWS:
+        return _summed_up(value)
     if isinstance(value, tuple):
         return ", ".join(_worded(part) for part in value)
     if hasattr(value, "strftime"):

@@ -28,6 +28,7 @@ def test_a_scenario_does_not_differ_from_itself(folder) -> None:
         ("option.C1.price_per_kwh", 0.4, "0.35", "0.4"),
         ("arrivals.seed", 2, "1", "2"),
         ("arrivals.soc_out", [0.7, 0.9], "0.8, 1", "0.7, 0.9"),
+        ("arrivals.hourly_share", [1.0] * 24, "mean 0.04167, 0.0022 to 0.1274", "mean 1, 1 to 1"),
         ("arrivals_until", None, "24", "–"),
         ("name", "Other", "Summer weekday", "Other"),
     ],

@@ -12,6 +12,7 @@ from evdash.ui.referee import referee
 from evdash.ui.words import counted, money, plain
 
 POLL_SECONDS = 0.5
+LONGEST_HEAD = 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +71,7 @@ def _look_again(held: list[Held], waiting: int) -> None:
 def _table(found: dict[str, KeyFigures], against: str, others: list[str]) -> str:
     heads = [against, *(head for name in others for head in (name, "difference"))]
     lines = [
-        "| | " + " | ".join(plain(head) for head in heads) + " |",
+        "| | " + " | ".join(plain(short(head)) for head in heads) + " |",
         "|:--|" + "--:|" * len(heads),
     ]
     for figure in FIGURES:
@@ -81,6 +82,11 @@ def _table(found: dict[str, KeyFigures], against: str, others: list[str]) -> str
             cells += [told(figure, value), difference(figure, base, value)]
         lines.append(f"| {figure.label} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
+
+
+def short(name: str) -> str:
+    """A run's name for the head of a column."""
+    return name if len(name) <= LONGEST_HEAD else f"{name[: LONGEST_HEAD - 1]}…"
 
 
 def told(figure: Figure, value: float | None) -> str:

@@ -7,7 +7,7 @@ from evdash.charts.drawn import Drawn
 from evdash.charts.style import CONFIG
 from evdash.files.differences import scenario_differences
 from evdash.metrics.outlook import outlook
-from evdash.ui.compare.figures import figures
+from evdash.ui.compare.figures import figures, short
 from evdash.ui.compare.pins import Held
 from evdash.ui.glossary import meaning
 from evdash.ui.parts import table_below
@@ -15,6 +15,8 @@ from evdash.ui.settings import NETWORK_NAMES, edit_log
 from evdash.ui.words import markdown_table, plain
 
 LOADS = ("Station load", "Headroom", "Energy price")
+MOST_BESIDE = 2
+"""With more runs than these the figures take the whole width."""
 ADMISSIONS = ("Admitted", "Refused")
 
 
@@ -36,23 +38,25 @@ def comparison(held: list[Held], base: Held | None) -> None:
     """Figures, what differs in the inputs, and the charts."""
     if base is None:
         return
-    left, right = st.columns([3, 2], gap="medium")
-    with left:
+    runs = [Compared(run.name, run.common, outlook(run.common)) for run in held]
+    wide = st.container() if len(held) > MOST_BESIDE else None
+    left, right = st.columns(2, gap="medium")
+    with wide or left:
         st.markdown("#### What came of it", help=meaning("AC power flow"))
         figures(held, base)
-    with right:
+    with left if wide else right:
         st.markdown("#### What differs in the inputs")
         for run in held:
             if run is not base:
                 differences(base, run)
-    runs = [Compared(run.name, run.common, outlook(run.common)) for run in held]
+    with right:
+        _chart(runs, "Load and price", "compare_load", LOADS, "Headroom")
     st.space("small")
     left, right = st.columns(2, gap="medium")
     with left:
-        _chart(runs, "Load and price", "compare_load", LOADS, "Headroom")
-    with right:
         _chart(runs, "Admissions", "compare_admissions", ADMISSIONS, "Admitted")
-    _chart(runs, "Lowest voltage", "compare_voltage", ("Lowest voltage",), "pu")
+    with right:
+        _chart(runs, "Lowest voltage", "compare_voltage", ("Lowest voltage",), "pu")
 
 
 def _chart(
@@ -82,13 +86,16 @@ def _chart(
 
 def differences(base: Held, run: Held) -> None:
     """Key by key what `run` has that `base` has not, as the inputs stand at its end."""
+    here, there = short(base.name), short(run.name)
+    if here == there:
+        here = f"{here} (against)"
     rows: list[dict[str, object]] = [
-        {"Where": one.place, base.name: one.before, run.name: one.after}
+        {"Where": one.place, here: one.before, there: one.after}
         for one in scenario_differences(base.scenario, run.scenario)
     ]
     networks = [NETWORK_NAMES[held.whole.inputs.network] for held in (base, run)]
     if networks[0] != networks[1]:
-        rows.append({"Where": "limits kept in", base.name: networks[0], run.name: networks[1]})
+        rows.append({"Where": "limits kept in", here: networks[0], there: networks[1]})
     if rows:
         st.markdown(markdown_table(rows))
     else:
