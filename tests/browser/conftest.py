@@ -45,16 +45,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @contextmanager
-def serving(store: str | None = None) -> Iterator[str]:
+def serving(store: str | None = None, app: Path = ROOT / "app.py") -> Iterator[str]:
     """A fresh server's address; it is gone afterwards, and so are its runs but in `store`."""
     if store is None:
-        with TemporaryDirectory() as own, serving(own) as address:
+        with TemporaryDirectory() as own, serving(own, app) as address:
             yield address
         return
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    command = [sys.executable, "-m", "streamlit", "run", "app.py", "--server.headless=true"]
+    command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.headless=true"]
     options = [f"--server.port={port}", "--server.address=127.0.0.1"]
     server = subprocess.Popen(
         [*command, *options],
