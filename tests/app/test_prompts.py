@@ -162,3 +162,8 @@ def test_what_the_cases_say_is_so() -> None:
     assert outlook(linear).binding[18] == "voltage_min:652"
     assert outlook(ac).headroom_kw[16:20].max() < 0.01
     assert totals(ac).admitted < 0.7 * totals(linear).admitted
+
+
+def test_a_vehicle_is_asked_for_in_the_page() -> None:
+    at = clicked(opened(steps=1), "add_pev")
+    assert any(button.label == "Ask for a charge" for button in at.button)

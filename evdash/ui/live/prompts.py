@@ -61,7 +61,7 @@ def add_pev(session: Session) -> None:
     """Ask what the vehicle wants, and have it come."""
     scenario = session.run.trace.scenario
     fields = Arrival.model_fields
-    low, high = bounds(fields["battery_kwh"])
+    low, high = (None if one is None else float(one) for one in bounds(fields["battery_kwh"]))
     with st.form("pev", border=False):
         option = st.radio(
             "Price option",
