@@ -138,8 +138,8 @@ def _judge_more(result: Result, trace: Trace, happening: Happening, before: Stat
     asks = next(event for event in happening.events if event.event == "asks_more")
     claims = claims_of(trace.inputs, before, happening.events)
     contract = next((c for c in before.contracts if c.vehicle == asks.subject), None)
-    if contract is None:
-        return
+    if contract is None or asks.subject not in {claim.vehicle for claim in claims}:
+        return  # nothing to ask more of: it has all its energy, or has just left
     request = contract.request
     full = (1 - request.soc_in) * request.battery_kwh / trace.scenario.station.efficiency
     extra = min(asks.amount, full - request.need_kwh)
