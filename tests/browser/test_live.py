@@ -126,8 +126,8 @@ def test_a_run_survives_a_reload_another_browser_and_a_new_server(
 def test_the_run_stays_when_another_page_is_looked_at(live: LivePage) -> None:
     live.step_to(3)
     for group, name in (("Learn", "Vehicles"), ("Learn", "Live")):
-        live.page.get_by_role("button", name=group).first.click()
-        live.page.get_by_role("link", name=name).first.click()
+        live.page.get_by_test_id("stTopNavSection").filter(has_text=group).click()
+        live.page.get_by_test_id("stTopNavDropdownLink").filter(has_text=name).click()
         live.page.wait_for_url(f"**/{'' if name == 'Live' else name.lower()}?*run=*")
         live.settled()
     live.shows(3).step_to(4)
