@@ -16,7 +16,8 @@ from evdash.metrics.equations import (
     vehicle_numbers,
     vehicles_of,
 )
-from evdash.ui.model.cards import GROUPS, Card, Numbers
+from evdash.ui.model.card import Card, Numbers
+from evdash.ui.model.cards import GROUPS
 from evdash.ui.parts import view
 from evdash.ui.session import Session
 from evdash.ui.words import clock, plain
