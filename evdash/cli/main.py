@@ -86,9 +86,10 @@ def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
         "--policy",
         choices=list(RULES),
         default="p1",
-        help="who decides: the paper's p1; bid-price, which anticipates; by rule, first come "
-        "(fcfs), earliest deadline (edf) or least laxity (llf) first; uncoordinated, which keeps "
-        "no limit; oracle, which knows who will come (default: p1)",
+        help="who decides: the paper's p1; p1-plain, the same solved as written, slower; "
+        "bid-price, which anticipates; by rule, first come (fcfs), earliest deadline (edf) or "
+        "least laxity (llf) first; uncoordinated, which keeps no limit; oracle, which knows who "
+        "will come (default: p1)",
     )
     command.add_argument(
         "--network",

@@ -16,6 +16,7 @@ from evdash.policies.rules import (
     uncoordinated,
 )
 from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.reference import solve_reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,11 @@ RULES: Mapping[str, Rule] = {
         "P1, the paper's",
         "Admits what earns most of those who ask now, whoever may come later.",
         lambda _: p1_policy(),
+    ),
+    "p1-plain": Rule(
+        "P1, solved plainly",
+        "The same problem as the paper writes it, handed whole to a solver: slower, to compare.",
+        lambda _: p1_policy(solve_reference),
     ),
     "bid-price": Rule(
         "bid-price",
