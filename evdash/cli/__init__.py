@@ -1,1 +1,1 @@
-"""The command line: run, validate, audit."""
+"""The command line: run, validate, audit, export."""

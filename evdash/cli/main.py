@@ -12,6 +12,7 @@ from rich.markup import escape
 
 from evdash import __version__
 from evdash.cli.audit import audit
+from evdash.cli.export import add_export
 from evdash.cli.run import run
 from evdash.cli.validate import validate
 from evdash.errors import EvdashError, InputError
@@ -64,6 +65,7 @@ def parser() -> argparse.ArgumentParser:
     _add_run(commands)
     _add_validate(commands)
     _add_audit(commands)
+    add_export(commands, STATUSES)
     return top
 
 

@@ -243,12 +243,12 @@ def drawn(draft: Draft, statistics_from: Scenario) -> Draft:
     return draft.with_settings(settings).with_table("fleet.csv", other.tables["fleet.csv"])
 
 
-def zipped(files: Mapping[str, str], folder: str = "scenario") -> bytes:
+def zipped(files: Mapping[str, str | bytes], folder: str = "scenario") -> bytes:
     """Files as a .zip of one folder; the same files always give the same bytes."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in files.items():
+        for name, content in files.items():
             entry = zipfile.ZipInfo(f"{folder}/{name}", ZIP_TIME)
             entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, text.encode())
+            archive.writestr(entry, content.encode() if isinstance(content, str) else content)
     return target.getvalue()

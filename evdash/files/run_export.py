@@ -2,7 +2,7 @@
 
 import json
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 
@@ -51,13 +51,15 @@ class Verdict:
     """A whole day held against its limits, in the linearised model and in AC.
 
     `linear` and `ac` list every limit exceeded, by the station or by the feeder itself, and in
-    both intervals with more vehicles charging than chargers;
-    `voltage_pu` (intervals, nodes) is the linearised voltage under the executed schedule.
+    both intervals with more vehicles charging than chargers; `base` is `flow` without the
+    station; `voltage_pu` (intervals, nodes) is the linearised voltage under the executed
+    schedule.
     """
 
     linear: tuple[Breach, ...]
     ac: tuple[Breach, ...]
     flow: AcResult
+    base: AcResult
     voltage_pu: np.ndarray
 
     def broken_by_station(self, network: Network) -> tuple[Breach, ...]:
@@ -72,21 +74,25 @@ class Verdict:
         return None if np.isnan(error).all() else float(np.nanmax(error))
 
 
-def judge(trace: Trace, linear: Sequence[Breach]) -> Verdict:
+def judge(
+    trace: Trace, linear: Sequence[Breach], on_flow: Callable[[], None] | None = None
+) -> Verdict:
     """Hold the executed schedule of a finished day against AC power flow.
 
-    `linear` is what the independent checker found in the linearised model.
+    `linear` is what the independent checker found in the linearised model; `on_flow` is called
+    before each power flow, two for every interval.
     """
     scenario = trace.scenario
     station_kw = executed_station_kw(trace)
-    executed = ac_flow(scenario, station_kw)
-    base = ac_flow(scenario, np.zeros(len(station_kw)))
+    executed = ac_flow(scenario, station_kw, on_flow)
+    base = ac_flow(scenario, np.zeros(len(station_kw)), on_flow)
     ac = in_force_only(trace, lambda scenario: ac_breaches(scenario, executed, base))
     chargers = charger_breaches(trace)
     return Verdict(
         linear=(*linear, *chargers),
         ac=(*ac, *chargers),
         flow=executed,
+        base=base,
         voltage_pu=voltage_pu(scenario, radial_feeder(scenario), station_kw),
     )
 

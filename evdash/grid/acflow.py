@@ -1,5 +1,6 @@
 """AC power flow of the executed schedule by pandapower: the referee of every answer."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,9 +35,14 @@ class AcResult:
         return tuple(int(row) for row in np.flatnonzero(np.isnan(self.losses_kw)))
 
 
-def ac_flow(scenario: Scenario, station_kw: Floats) -> AcResult:
-    """AC power flow of the intervals from 0 on, one for each entry of `station_kw`, kW."""
-    return AcNetwork(scenario).flow(scenario, np.arange(len(station_kw)), station_kw)
+def ac_flow(
+    scenario: Scenario, station_kw: Floats, on_flow: Callable[[], None] | None = None
+) -> AcResult:
+    """AC power flow of the intervals from 0 on, one for each entry of `station_kw`, kW.
+
+    `on_flow` is called before each of them; what it raises ends the work.
+    """
+    return AcNetwork(scenario).flow(scenario, np.arange(len(station_kw)), station_kw, on_flow)
 
 
 class AcNetwork:
@@ -47,7 +53,11 @@ class AcNetwork:
         self._net = build_network(scenario, self.feeder)
 
     def flow(
-        self, scenario: Scenario, intervals: NDArray[np.int64], station_kw: Floats
+        self,
+        scenario: Scenario,
+        intervals: NDArray[np.int64],
+        station_kw: Floats,
+        on_flow: Callable[[], None] | None = None,
     ) -> AcResult:
         """AC power flow of `intervals` with the station drawing `station_kw`, both (rows,).
 
@@ -69,6 +79,8 @@ class AcNetwork:
             losses_kw=np.full(count, np.nan),
         )
         for row in range(count):
+            if on_flow is not None:
+                on_flow()
             try:
                 solve_network(self._net, injections.active_kw[row], injections.reactive_kvar[row])
             except PowerFlowDiverged:

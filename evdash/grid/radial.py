@@ -32,6 +32,18 @@ class RadialFeeder:
     def node_index(self, node: str) -> int:
         return self.nodes.index(node)
 
+    def nearest_rated_line(self, node: str) -> int | None:
+        """The rated line nearest to a node on its way to the source; None if there is none.
+
+        Of the lines on one way, the nearer to the node the fewer nodes lie beyond it.
+        """
+        rated = np.flatnonzero(
+            self.on_way[self.node_index(node)] & np.isfinite(self.line_rating_kva)
+        )
+        if not len(rated):
+            return None
+        return int(rated[int(self.on_way[:, rated].sum(axis=0).argmin())])
+
 
 def topology_problems(
     nodes: Sequence[Node], lines: Sequence[Line], source: str

@@ -201,11 +201,9 @@ def rating_numbers(step: Step) -> RatingNumbers | None:
     if own is not None:
         active, reactive = -injections.active_kw[t, i], -injections.reactive_kvar[t, i]
         return RatingNumbers(f"node:{scenario.station.node}", own, float(active), float(reactive))
-    rated = np.flatnonzero(feeder.on_way[i] & np.isfinite(feeder.line_rating_kva))
-    if not len(rated):
+    line = feeder.nearest_rated_line(scenario.station.node)
+    if line is None:
         return None
-    # of the lines on one way, the nearer to the station the fewer nodes lie beyond it
-    line = rated[int(feeder.on_way[:, rated].sum(axis=0).argmin())]
     flows = line_flows(feeder, injections)
     return RatingNumbers(
         f"line:{feeder.lines[line]}",

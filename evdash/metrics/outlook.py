@@ -64,17 +64,12 @@ def load_kw(scenario: Scenario) -> Floats:
 
 
 def station_rating_kw(scenario: Scenario, feeder: RadialFeeder) -> float:
-    """The rating nearest to the station on its way to the source, else its chargers' power.
-
-    Of the lines on the way the nearest one has all the others upstream of it.
-    """
+    """The rating nearest to the station on its way to the source, else its chargers' power."""
     station = scenario.station
     at_node = next(n.rating_kva for n in scenario.nodes if n.node == station.node)
     if at_node is not None and at_node > 0:
         return at_node
-    on_way = feeder.on_way[feeder.node_index(station.node)]
-    rated = np.flatnonzero(on_way & np.isfinite(feeder.line_rating_kva))
-    if len(rated):
-        nearest = min(rated, key=lambda line: int(feeder.on_way[:, line].sum()))
+    nearest = feeder.nearest_rated_line(station.node)
+    if nearest is not None:
         return max(1.0, float(feeder.line_rating_kva[nearest]))
     return max(1.0, station.chargers * station.max_kw)

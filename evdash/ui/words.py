@@ -78,18 +78,6 @@ def element_words(element: str, scenario: Scenario) -> str:
     return f"line or transformer {ends} ({line.rating_kva or 0:g} kVA)"
 
 
-def element_name(element: str) -> str:
-    """A binding element in a few words, not escaped: for cells of a table."""
-    kind, _, name = element.partition(":")
-    words = {
-        "voltage_min": "voltage at",
-        "voltage_max": "voltage at",
-        "node": "rating of node",
-        "power_flow": "voltage collapse at",
-    }
-    return f"{words.get(kind, 'rating of')} {name}" if element else "nothing"
-
-
 def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
     """The run so far and what is ahead, in a sentence or two."""
     if not trace.steps:

@@ -8,8 +8,9 @@ import numpy as np
 from evdash.charts.feeder_moment import Moment
 from evdash.domain.outlook import Outlook
 from evdash.domain.scenario import Scenario
+from evdash.explain.words import element_name
 from evdash.metrics.feeder import Gap, Violation
-from evdash.ui.words import clock, counted, element_name, element_words, plain
+from evdash.ui.words import clock, counted, element_words, plain
 
 CAUSES = {
     "station": "charging",

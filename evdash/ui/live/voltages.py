@@ -10,17 +10,13 @@ from evdash.charts.voltages import (
     voltages_table,
 )
 from evdash.domain.outlook import Outlook
+from evdash.explain.words import element_name
 from evdash.metrics.ac import AcPoint
 from evdash.ui.glossary import meaning
 from evdash.ui.parts import chart, small_table, table_below, view
 from evdash.ui.referee import referee
 from evdash.ui.session import Session
-from evdash.ui.words import (
-    ac_lines,
-    clock,
-    counted,
-    element_name,
-)
+from evdash.ui.words import ac_lines, clock, counted
 
 AC_PATIENCE_SECONDS = 0.06
 """How long a page waits for the AC power flow of its latest step before it goes on without."""

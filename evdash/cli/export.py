@@ -1,0 +1,172 @@
+"""`export`: an earlier run, or a day run now, as files to hand on."""
+
+import argparse
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+
+from evdash.cli.progress import progress_bar, run_with_progress
+from evdash.domain.trace import Network, Trace
+from evdash.errors import Fault, InputError
+from evdash.explain.worth import day_worths
+from evdash.files.draft import zipped
+from evdash.files.overrides import Setting, parse_settings
+from evdash.files.run_export import RunLabel
+from evdash.files.scenario_folder import read_scenario
+from evdash.metrics.ageing import Thermal
+from evdash.policies.registry import RULES
+from evdash.reports.account import Account, account, flows_needed, transformer_of
+from evdash.reports.again import decided_again, earlier_run, is_run_folder
+from evdash.reports.bundle import check_files, write_files
+from evdash.reports.html import report_html
+
+BROKEN = 3
+LEAST_C, MOST_C = -50.0, 70.0
+OF_SCENARIOS = ("policy", "network", "seed", "settings")
+Make = Callable[[Account, argparse.Namespace], bytes]
+OUTPUTS: Mapping[str, Make] = {
+    "report": lambda told, _: report_html(told).encode(),
+    "run_zip": lambda told, _: zipped(dict(told.files), "run"),
+}
+"""What can be handed on, by the option that names its file."""
+
+
+def export(options: argparse.Namespace) -> int:
+    """Write the files asked for; 3 if a promise or a limit was broken, 0 otherwise."""
+    targets = {
+        f"--{name.replace('_', '-')}": getattr(options, name)
+        for name in OUTPUTS
+        if getattr(options, name) is not None
+    }
+    if not targets:
+        allowed = f"should be one or more of --{', --'.join(OUTPUTS)}".replace("_", "-")
+        raise InputError([Fault("export", "nothing to write", allowed)])
+    check_files(targets, options.force)
+    if not LEAST_C <= options.ambient <= MOST_C:
+        allowed = f"should be from {LEAST_C:g} to {MOST_C:g} °C"
+        raise InputError([Fault("--ambient", f"{options.ambient:g} °C", allowed)])
+    trace, label = _day(options)
+    told = _account(trace, label, options)
+    contents = {
+        getattr(options, name): make(told, options)
+        for name, make in OUTPUTS.items()
+        if getattr(options, name) is not None
+    }
+    write_files(contents)
+    console = Console(highlight=False)
+    for path, content in contents.items():
+        console.print(f"written to {escape(str(path))} ({len(content):,} bytes)", soft_wrap=True)
+    broken = told.totals.broken or told.verdict.broken_by_station(label.network)
+    return BROKEN if broken else 0
+
+
+def _day(options: argparse.Namespace) -> tuple[Trace, RunLabel]:
+    """The finished day and what it was made with."""
+    if is_run_folder(options.source):
+        given = [name for name in OF_SCENARIOS if getattr(options, name) not in (None, [])]
+        if given:
+            place = ", ".join(f"--{'set' if name == 'settings' else name}" for name in given)
+            allowed = "is for a scenario; a run has been decided already"
+            raise InputError([Fault(place, f"{options.source}, an earlier run", allowed)])
+        earlier = earlier_run(options.source)
+        return decided_again(earlier, run_with_progress), earlier.label
+    settings = parse_settings(options.settings)
+    if options.seed is not None:
+        settings += (Setting("arrivals.seed", options.seed),)
+    scenario = read_scenario(options.source, settings)
+    policy: str = options.policy or "p1"
+    network: Network = options.network or "lindistflow"
+    trace = run_with_progress(scenario, network, RULES[policy])
+    seconds = sum(step.plan.report.seconds for step in trace.steps)
+    return trace, RunLabel(policy, network, scenario.arrivals.seed, seconds)
+
+
+def _account(trace: Trace, label: RunLabel, options: argparse.Namespace) -> Account:
+    transformer_of(trace.scenario, options.transformer)
+    with progress_bar() as progress:
+        task = progress.add_task("checking in AC", total=flows_needed(trace))
+        worths = tuple(worth.text for worth in day_worths(trace)) if options.worths else ()
+        return account(
+            trace,
+            label,
+            thermal=Thermal(ambient_c=options.ambient),
+            transformer=options.transformer,
+            worths=worths,
+            on_flow=partial(progress.advance, task),
+        )
+
+
+def add_export(commands: "argparse._SubParsersAction[argparse.ArgumentParser]", told: str) -> None:
+    """The command's options; `told` says what its exit statuses mean."""
+    command = commands.add_parser(
+        "export",
+        help="hand a run on: report, workbook, OCPP profiles, pandapower network",
+        description="Write what a finished day can be handed on as. An earlier run is decided "
+        "again and must come out as its files tell; a scenario is run first.",
+        epilog=told,
+    )
+    command.add_argument(
+        "source",
+        type=Path,
+        metavar="SOURCE",
+        help="an earlier run's folder (run --out), or a scenario: a folder or a .zip",
+    )
+    files = command.add_argument_group("what to write")
+    files.add_argument(
+        "--report",
+        type=Path,
+        metavar="FILE.html",
+        help="the report: one HTML file that needs nothing else, made to be printed, too",
+    )
+    files.add_argument(
+        "--run-zip",
+        type=Path,
+        metavar="FILE.zip",
+        help="the run's folder as run --out writes it, to be audited and run again",
+    )
+    files.add_argument("--force", action="store_true", help="replace files that are there already")
+    _add_conditions(command)
+    command.set_defaults(command=export)
+
+
+def _add_conditions(command: argparse.ArgumentParser) -> None:
+    ageing = command.add_argument_group("what the report and the workbook assume")
+    ageing.add_argument(
+        "--transformer",
+        default="",
+        metavar="FROM-TO",
+        help="the line that stands for the station's transformer (default: the rated one "
+        "nearest to the station)",
+    )
+    ageing.add_argument(
+        "--ambient",
+        type=float,
+        default=Thermal().ambient_c,
+        metavar="C",
+        help="ambient temperature of the transformer in °C (default: %(default)g)",
+    )
+    ageing.add_argument(
+        "--worths",
+        action="store_true",
+        help="also tell what one more charger, a higher rating and a wider voltage band would "
+        "have been worth: the day is run once more for each",
+    )
+    scenario = command.add_argument_group("how a scenario is run (not for an earlier run)")
+    scenario.add_argument("--policy", choices=list(RULES), help="who decides (default: p1)")
+    scenario.add_argument(
+        "--network",
+        choices=["lindistflow", "ac"],
+        help="model of the feeder whose limits are kept (default: lindistflow)",
+    )
+    scenario.add_argument("--seed", type=int, metavar="N", help="seed of the random arrivals")
+    scenario.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        dest="settings",
+        metavar="KEY=VALUE",
+        help="a key of scenario.toml, as for run; may be given again",
+    )

@@ -1,0 +1,33 @@
+"""Progress of long work, on standard error and gone when it is done."""
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from evdash.domain.scenario import Scenario
+from evdash.domain.trace import Network, Trace
+from evdash.horizon.day import run_day, start_day
+from evdash.policies.registry import Rule
+
+
+def progress_bar() -> Progress:
+    """A bar with a count and the time left."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    return Progress(*columns, console=Console(stderr=True), transient=True)
+
+
+def run_with_progress(scenario: Scenario, network: Network, rule: Rule) -> Trace:
+    """A whole day, telling which interval is being decided."""
+    with progress_bar() as progress:
+        task = progress.add_task("preparing", total=scenario.intervals)
+
+        def told(trace: Trace) -> None:
+            clock = f"{scenario.time_of(trace.now):%H:%M}"
+            progress.update(task, completed=trace.now, description=f"deciding {clock}")
+
+        trace = start_day(scenario, network)
+        return run_day(trace, rule.make(trace.inputs), told, rule.decide)

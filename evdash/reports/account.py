@@ -1,0 +1,131 @@
+"""A finished day with all that is told of it, worked out once for everything handed on."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from evdash.domain.outlook import Outlook
+from evdash.domain.scenario import Line, Scenario
+from evdash.domain.trace import Trace
+from evdash.errors import Fault, InputError
+from evdash.files.run_export import RunLabel, Verdict, judge, run_files
+from evdash.files.run_folder import SUMMARY
+from evdash.grid.acflow import AcResult
+from evdash.grid.radial import radial_feeder
+from evdash.metrics.ageing import Ageing, Thermal, ageing
+from evdash.metrics.breaches import linear_breaches
+from evdash.metrics.outlook import outlook
+from evdash.metrics.totals import Totals, totals
+
+
+@dataclass(frozen=True, slots=True)
+class Aged:
+    """The station's transformer, its assumed thermal data, and its ageing with and without it.
+
+    `name` is the line's, as in `lines.csv`.
+    """
+
+    name: str
+    rating_kva: float
+    thermal: Thermal
+    without_station: Ageing
+    with_station: Ageing
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """A finished day: its trace, totals, verdict in both network models, and what it was made with.
+
+    `files` is the run's folder as `--out` writes it, path to text. `aged` is None where no
+    transformer is known or AC has no solution. `worths` are sentences.
+    """
+
+    trace: Trace
+    label: RunLabel
+    verdict: Verdict
+    totals: Totals
+    outlook: Outlook
+    files: dict[str, str]
+    aged: Aged | None
+    worths: tuple[str, ...] = ()
+
+    @property
+    def scenario(self) -> Scenario:
+        return self.trace.scenario
+
+    @property
+    def summary(self) -> str:
+        """`summary.json` as text."""
+        return self.files[SUMMARY]
+
+
+def flows_needed(trace: Trace) -> int:
+    """How many AC power flows an account takes: what its `on_flow` will count up to."""
+    return 2 * len(trace.steps)
+
+
+def account(
+    trace: Trace,
+    label: RunLabel,
+    *,
+    thermal: Thermal | None = None,
+    transformer: str = "",
+    worths: tuple[str, ...] = (),
+    on_flow: Callable[[], None] | None = None,
+) -> Account:
+    """Account for a finished day; `on_flow` is called before each AC power flow.
+
+    `transformer` names the line that is the station's transformer, by default the rated one
+    nearest to it. Raises InputError for a day that is not over, or a line that is none.
+    """
+    if not trace.is_over:
+        found = f"{trace.now} of {trace.scenario.intervals} intervals decided"
+        raise InputError([Fault("the run", found, "should be over: run it to its end")])
+    line = transformer_of(trace.scenario, transformer)
+    verdict = judge(trace, linear_breaches(trace), on_flow)
+    return Account(
+        trace=trace,
+        label=label,
+        verdict=verdict,
+        totals=totals(trace),
+        outlook=outlook(trace),
+        files=run_files(trace, verdict, label),
+        aged=None if line is None else _aged(trace.scenario, line, verdict, thermal or Thermal()),
+        worths=worths,
+    )
+
+
+def transformers(scenario: Scenario) -> tuple[str, ...]:
+    """Lines with a rating, any of which may be a transformer, the one nearest the station first."""
+    feeder = radial_feeder(scenario)
+    nearest = feeder.nearest_rated_line(scenario.station.node)
+    names = [line.name for line in scenario.lines if line.rating_kva]
+    first = [] if nearest is None else [feeder.lines[nearest]]
+    return tuple(dict.fromkeys([name for name in first if name in names] + names))
+
+
+def transformer_of(scenario: Scenario, name: str = "") -> Line | None:
+    """The line that stands for the station's transformer; None if there is no rated one."""
+    names = transformers(scenario)
+    if name and name not in names:
+        allowed = f"should be a line with a rating: {', '.join(names) or 'there is none'}"
+        raise InputError([Fault("the transformer", repr(name), allowed)])
+    chosen = name or (names[0] if names else "")
+    return next((line for line in scenario.lines if line.name == chosen), None)
+
+
+def _aged(scenario: Scenario, line: Line, verdict: Verdict, thermal: Thermal) -> Aged | None:
+    row = scenario.lines.index(line)
+    rating_kva = line.rating_kva or 0.0
+
+    def under(flow: AcResult) -> Ageing | None:
+        load_kva = flow.line_kva[:, row]
+        if not np.isfinite(load_kva).all():
+            return None
+        return ageing(load_kva, rating_kva, scenario.interval_hours, thermal)
+
+    without, with_it = under(verdict.base), under(verdict.flow)
+    if without is None or with_it is None:
+        return None
+    return Aged(line.name, rating_kva, thermal, without, with_it)

@@ -1,0 +1,240 @@
+"""What a report says in sentences. Plain text; whoever sets it into HTML or cells escapes it."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from evdash.domain.breach import Breach
+from evdash.domain.events import Event
+from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.explain.words import Clock, element_name, element_words
+from evdash.grid.lindistflow import load_kvar_of
+from evdash.metrics.feeder import Violation, violations
+from evdash.policies.registry import RULES
+from evdash.reports.account import Account
+
+NETWORK_WORDS = {
+    "lindistflow": "the linearised DistFlow model, as in the paper",
+    "ac": "full AC power flow",
+}
+CAUSES = {
+    "station": "charging",
+    "both": "feeder and charging",
+    "feeder": "feeder itself",
+}
+
+
+def counted(number: int, one: str, many: str | None = None) -> str:
+    """`1 vehicle`, `1,203 vehicles`."""
+    return f"{number:,} {one if number == 1 else many or one + 's'}"
+
+
+def money(usd: float) -> str:
+    """`$1,234.50`, `−$0.35`."""
+    return f"{'−' if round(usd, 2) < 0 else ''}${abs(usd):,.2f}"
+
+
+def period(scenario: Scenario) -> str:
+    """From when to when the day goes, and in which steps."""
+    end = scenario.time_of(scenario.intervals)
+    return (
+        f"{scenario.start:%A, %d %B %Y, %H:%M} to {end:%d %B, %H:%M}, in "
+        f"{counted(scenario.intervals, 'interval')} of {scenario.interval_minutes} min"
+    )
+
+
+def promises_line(account: Account) -> tuple[str, str]:
+    """(state, sentence): what became of the promises. States: good, bad, note."""
+    day = account.totals
+    said = f"{day.admitted:,} of {counted(day.arrived, 'vehicle')} admitted"
+    if day.broken:
+        return "bad", f"{said}; {counted(day.broken, 'promise')} broken."
+    if not day.admitted:
+        return "note", f"{said}."
+    released = f", {day.released} cut short by their drivers" if day.released else ""
+    return "good", f"{said}; every promise kept: in full and on time{released}."
+
+
+def limit_lines(account: Account) -> list[tuple[str, str]]:
+    """(state, sentence) for each network model: which limits were exceeded, and whose doing."""
+    verdict, scenario = account.verdict, account.scenario
+    lines = [
+        *_limit_lines("In the linearised model", verdict.linear, scenario),
+        *_limit_lines("By AC power flow", verdict.ac, scenario),
+    ]
+    if verdict.flow.diverged:
+        count = counted(len(verdict.flow.diverged), "interval")
+        lines.append(("bad", f"AC power flow has no solution in {count}."))
+    error = verdict.worst_voltage_error_pu
+    if error is not None:
+        told = f"At worst the linearised voltages are {error:.5f} pu from those of AC."
+        lines.append(("note", told))
+    return lines
+
+
+def _limit_lines(
+    model: str, breaches: Iterable[Breach], scenario: Scenario
+) -> list[tuple[str, str]]:
+    found = violations(breaches)
+    if not found:
+        return [("good", f"{model} every limit of feeder and station held.")]
+    mine = [one for one in found if one.cause != "feeder"]
+    own = [one for one in found if one.cause == "feeder"]
+    lines = [("good", f"{model} charging exceeded or worsened no limit.")]
+    if mine:
+        limits = counted(len({one.element for one in mine}), "limit")
+        told = f"{model} {limits} exceeded because of charging: {_worst(mine, scenario)}."
+        lines = [("bad", told)]
+    if own:
+        limits = counted(len({one.element for one in own}), "limit")
+        told = f"{model} {limits} exceeded by the feeder itself: {_worst(own, scenario)}."
+        lines.append(("note", f"{told} Charging does not worsen that."))
+    return lines
+
+
+def _worst(found: list[Violation], scenario: Scenario) -> str:
+    """The longest of several violations in a few words."""
+    first = max(found, key=lambda one: (len(one.intervals), one.depth))
+    hours = scenario.interval_hours * len(first.intervals)
+    rest = f", and {len(found) - 1:,} more" if len(found) > 1 else ""
+    beyond = f"by up to {depth_words(first.depth, first.unit)} for {hours:g} h"
+    return f"{element_name(first.element)} {beyond}{rest}"
+
+
+def depth_words(depth: float, unit: str) -> str:
+    """How far a limit is exceeded, with as many digits as its unit deserves."""
+    return f"{depth:.4f} pu" if unit == "pu" else f"{depth:,.1f} {unit}"
+
+
+def feeder_words(scenario: Scenario) -> list[str]:
+    """The feeder and what it carries without the station."""
+    feeder, nodes = scenario.feeder, scenario.nodes
+    load_kw = feeder.load_scale * sum(node.load_kw or 0.0 for node in nodes)
+    load_kvar = feeder.load_scale * sum(load_kvar_of(n, feeder.power_factor) for n in nodes)
+    shunt_kvar = sum(node.shunt_kvar or 0.0 for node in nodes)
+    generation_kw = sum(node.generation_kw or 0.0 for node in nodes)
+    carried = f"Peak load {load_kw:,.0f} kW and {load_kvar:,.0f} kvar"
+    if shunt_kvar:
+        carried += f"; capacitors {shunt_kvar:,.0f} kvar"
+    if generation_kw:
+        carried += f"; peak generation {generation_kw:,.0f} kW"
+    rated = [
+        f"{line.name} {line.rating_kva:,.0f} kVA" for line in scenario.lines if line.rating_kva
+    ]
+    rated += [f"node {n.node} {n.rating_kva:,.0f} kVA" for n in nodes if n.rating_kva]
+    return [
+        f"{counted(len(nodes), 'node')} and {counted(len(scenario.lines), 'line')}, radial, at "
+        f"{feeder.base_kv:g} kV; supplied at node {feeder.source_node} with "
+        f"{feeder.source_voltage_pu:g} pu.",
+        f"Voltage allowed at every node: {feeder.voltage_min_pu:g} to "
+        f"{feeder.voltage_max_pu:g} pu.",
+        f"{carried}, times the profile of the day.",
+        f"Ratings: {', '.join(rated)}." if rated else "No line, transformer or node has a rating.",
+    ]
+
+
+def station_words(scenario: Scenario) -> list[str]:
+    """The station and what drivers may choose."""
+    station = scenario.station
+    return [
+        f"At node {station.node}: {counted(station.chargers, 'vehicle')} can charge at the same "
+        f"time, each with {station.min_kw:g} to {station.max_kw:g} kW, at an efficiency of "
+        f"{station.efficiency:g}.",
+        *(
+            f"Option {option.name}: {option.price_per_kwh:g} $/kWh, back by the time that "
+            f"{option.average_kw:g} kW on average would take."
+            for option in scenario.option
+        ),
+    ]
+
+
+def profile_words(scenario: Scenario) -> list[str]:
+    """Energy prices, loads and generation over the day."""
+    clock = Clock(scenario, 0)
+    price, load, generation = scenario.price_per_kwh, scenario.load_pu, scenario.generation_pu
+    lines = [
+        f"Energy price {price.min():.4f} $/kWh (from {clock.at(int(price.argmin()))}) to "
+        f"{price.max():.4f} $/kWh (from {clock.at(int(price.argmax()))}), mean "
+        f"{price.mean():.4f} $/kWh.",
+        f"Loads {load.min():.2f} (from {clock.at(int(load.argmin()))}) to {load.max():.2f} "
+        f"(from {clock.at(int(load.argmax()))}) of their peak.",
+    ]
+    if np.any(generation) and any(node.generation_kw for node in scenario.nodes):
+        at = clock.at(int(generation.argmax()))
+        lines.append(f"Generation up to {generation.max():.2f} of its peak (from {at}).")
+    return lines
+
+
+def arrivals_words(account: Account) -> list[str]:
+    """Who came, and how that was come by."""
+    given, day = account.trace.inputs.given.arrivals, account.totals
+    asked = (
+        f"{counted(day.arrived, 'vehicle')} asked for "
+        f"{day.energy_requested_kwh:,.0f} kWh in all, drawn from the grid."
+    )
+    if isinstance(given, GeneratedArrivals):
+        return [
+            asked,
+            f"Arrivals drawn at random, {given.vehicles_per_day:g} in 24 h on average, with seed "
+            f"{given.seed}; the run's files hold each of them.",
+        ]
+    return [asked, "Arrivals are given one by one."]
+
+
+def event_lines(account: Account) -> list[str]:
+    """What happened on the way and what it did to promises."""
+    clock = Clock(account.scenario, 0)
+    lines = []
+    for happening in account.trace.happenings:
+        told = f"{clock.at(happening.interval)}: {_told(happening.events)}."
+        if happening.short_kwh > 0:
+            told += f" {happening.short_kwh:.1f} kWh promised could not be delivered in time."
+        if happening.note:
+            told += f" {happening.note}."
+        lines.append(told)
+    return lines
+
+
+def _told(events: Iterable[Event]) -> str:
+    return "; ".join(event.text for event in events)
+
+
+def decided_words(account: Account) -> list[str]:
+    """By which rule and under which model of the feeder it was decided, and how well."""
+    rule, steps = RULES[account.label.policy], account.trace.steps
+    lines = [
+        f"Decided by {rule.title}. {rule.told}",
+        f"Limits are kept in {NETWORK_WORDS[account.label.network]}.",
+    ]
+    solved = [s.plan.report for s in steps if s.plan.report.objective is not None]
+    proven = sum(report.status == "optimal" for report in solved)
+    if solved:
+        lines.append(
+            f"Proven optimal to the cent in {proven} of {counted(len(steps), 'interval')}; the "
+            f"slowest took {max(report.seconds for report in solved):.2f} s."
+        )
+    fallen = sum(step.plan.report.status == "fallback" for step in steps)
+    if fallen:
+        lines.append(
+            f"In {counted(fallen, 'interval')} the certified plan of the interval before was kept "
+            "and nobody new admitted."
+        )
+    return lines
+
+
+def tightest_words(account: Account) -> str:
+    """Where and when there was least room for charging."""
+    headroom = account.outlook.headroom_kw
+    if not np.isfinite(headroom).any():
+        return "The feeder sets no limit to charging."
+    t = int(headroom.argmin())
+    element = element_words(account.outlook.binding[t], account.scenario)
+    return (
+        f"Least room for charging: {headroom[t]:,.0f} kW, from "
+        f"{Clock(account.scenario, 0).at(t)}, limited by {element}."
+    )
+
+
+def violation_words(found: Violation, scenario: Scenario) -> str:
+    """When a limit was exceeded."""
+    return Clock(scenario, 0).spans(found.intervals)
