@@ -118,8 +118,9 @@ def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     command.add_argument(
         "--explain",
         action="store_true",
-        help="explain every refusal and what would have avoided it: in explanations.csv of the "
-        "--out folder, or printed without one",
+        help="explain the day: every refusal and what would have avoided it, what more of each "
+        "limit is worth, what binds when, what each step revised; in explanations.csv, worths.csv, "
+        "binding.csv and revisions.csv of the --out folder, or printed without one",
     )
     command.set_defaults(command=run)
 

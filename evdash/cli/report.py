@@ -9,7 +9,8 @@ from rich.table import Table
 
 from evdash.domain.breach import Breach
 from evdash.domain.trace import Trace
-from evdash.explain.refusals import Explanation
+from evdash.explain.binding import binding_told
+from evdash.files.explanation_table import DayExplained
 from evdash.files.run_export import RunLabel, Verdict
 from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.records import IntervalRecord, interval_records, vehicle_records
@@ -38,13 +39,15 @@ def print_report(trace: Trace, verdict: Verdict, label: RunLabel, out: Path | No
         console.print(f"written to {escape(str(out))}", soft_wrap=True)
 
 
-def print_explanations(explained: Iterable[Explanation]) -> None:
-    """Every refusal with its reason and its remedy."""
+def print_explanations(trace: Trace, day: DayExplained) -> None:
+    """Every refusal with reason and remedy, what binds when, worths, and each plan revised."""
     console = Console(highlight=False)
-    for explanation in explained:
-        console.print(
-            f"[bold]{escape(explanation.vehicle)}[/] {escape(explanation.text)}", soft_wrap=True
-        )
+    told = [(refusal.vehicle, refusal.text) for refusal in day.refusals]
+    told += [("What binds", line) for line in binding_told(trace)]
+    told += [("What more is worth", worth.text) for worth in day.worths]
+    told += [("Plan revised", revision.text) for revision in day.revisions if revision.moves]
+    for name, text in told:
+        console.print(f"[bold]{escape(name)}[/] {escape(text)}", soft_wrap=True)
 
 
 def _hourly(records: tuple[IntervalRecord, ...]) -> Table:

@@ -7,9 +7,12 @@ from evdash.cli.progress import progress_bar, run_with_progress
 from evdash.cli.report import print_explanations, print_report
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
+from evdash.explain.binding import binding_elements
 from evdash.explain.refusals import Explanation, explanations
+from evdash.explain.revisions import explain_revision
+from evdash.explain.worth import day_worths
 from evdash.files.bundled import DEFAULT
-from evdash.files.explanation_table import EXPLANATIONS, explanations_text
+from evdash.files.explanation_table import DayExplained, explanation_files
 from evdash.files.overrides import Setting, parse_settings
 from evdash.files.run_export import RunLabel, judge, run_files
 from evdash.files.run_folder import check_target, write_run
@@ -41,15 +44,15 @@ def run(options: argparse.Namespace) -> int:
         seed=scenario.arrivals.seed,
         wall_seconds=time.perf_counter() - began,
     )
-    explained = _explained(trace) if options.explain else ()
+    explained = _explained(trace) if options.explain else None
     if options.out is not None:
         files = run_files(trace, verdict, label)
-        if options.explain:
-            files[EXPLANATIONS] = explanations_text(explained)
+        if explained is not None:
+            files |= explanation_files(explained)
         write_run(options.out, files)
     print_report(trace, verdict, label, options.out)
-    if options.out is None:
-        print_explanations(explained)
+    if options.out is None and explained is not None:
+        print_explanations(trace, explained)
     return BROKEN if totals(trace).broken or verdict.broken_by_station(options.network) else 0
 
 
@@ -59,8 +62,17 @@ def _check_explained(options: argparse.Namespace) -> None:
         raise InputError([fault])
 
 
-def _explained(trace: Trace) -> tuple[Explanation, ...]:
-    """Every refusal explained."""
+def _explained(trace: Trace) -> DayExplained:
+    """Every refusal explained, what more of each limit is worth, what binds, what was revised."""
+    return DayExplained(
+        refusals=_refusals(trace),
+        worths=tuple(day_worths(trace)),
+        bindings=binding_elements(trace),
+        revisions=tuple(explain_revision(trace, step.interval) for step in trace.steps[1:]),
+    )
+
+
+def _refusals(trace: Trace) -> tuple[Explanation, ...]:
     with progress_bar() as progress:
         task = progress.add_task("explaining", total=totals(trace).refused)
         explained = []

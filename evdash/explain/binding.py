@@ -7,6 +7,7 @@ import numpy as np
 
 from evdash.domain.limits import STATION
 from evdash.domain.trace import Step, Trace
+from evdash.explain.words import Clock, element_words
 
 REACHED_KW = 0.05
 REACHED_SHARE = 1e-3
@@ -41,6 +42,27 @@ def binding_elements(trace: Trace) -> tuple[Binding, ...]:
         for element in dict.fromkeys([*tightest, *reached])
     ]
     return tuple(sorted(table, key=lambda row: (-len(row.reached), -len(row.tightest))))
+
+
+def binding_told(trace: Trace) -> tuple[str, ...]:
+    """For each element a sentence: when it sets the headroom, when it is reached."""
+    if not trace.steps:
+        return ()
+    clock = Clock(trace.scenario, trace.steps[0].interval)
+    return tuple(_told(row, clock) for row in binding_elements(trace))
+
+
+def _told(row: Binding, clock: Clock) -> str:
+    if row.element == CHARGERS:
+        return f"All chargers are in use {clock.spans(row.reached)}."
+    named = element_words(row.element, clock.scenario)
+    sets = f"sets the headroom {clock.spans(row.tightest)}" if row.tightest else ""
+    if not row.reached:
+        return f"{named[:1].upper()}{named[1:]} {sets}, and is never reached."
+    joint = "and is reached" if sets else "is reached"
+    return f"{named[:1].upper()}{named[1:]} {sets} {joint} {clock.spans(row.reached)}.".replace(
+        "  ", " "
+    )
 
 
 def reached_in(step: Step) -> Iterator[str]:

@@ -19,7 +19,7 @@ from evdash.explain.remedies_told import remedies_told
 from evdash.explain.terms import other_terms
 from evdash.explain.trials import Plans, Trials
 from evdash.horizon.advance import PROMISES_SHORT, snapshot_of
-from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.p1 import p1_answers
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +97,7 @@ def trials_of(
     """
     snapshot = longer(inputs, snapshot_of(inputs, state), 1)
     request = next(r for r in snapshot.requests if r.vehicle == vehicle)
-    return Trials(inputs, snapshot, request, policy or p1_policy(), {} if plans is None else plans)
+    return Trials(inputs, snapshot, request, policy or p1_answers(), {} if plans is None else plans)
 
 
 def _explained(trials: Trials) -> Explanation:

@@ -1,7 +1,9 @@
 """The least change that would have admitted a refused vehicle, found and verified by solving."""
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from math import ceil, log10
 from typing import Literal
 
 import numpy as np
@@ -16,7 +18,11 @@ RemedyKind = Literal["chargers", "headroom", "time", "price", "amount", "max_kw"
 
 HEADROOM_STEPS_KW = ((5.0, 0.1), (20.0, 0.5), (100.0, 2.0), (np.inf, 50.0))
 """Headroom is told in steps of 0.1 kW up to 5 kW, of 0.5 kW up to 20 kW, and so on."""
-FIRST_STRIDE = 16
+PREFERRED = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0)
+"""Where a crowd competes, in amounts graded as ratings are: ten a decade (R10 of ISO 3)."""
+CROWD = 6
+"""Other newcomers above which each solve takes long, and is shared by all that are refused."""
+FIRST_STRIDE, FIRST_STRIDE_GRADED = 16, 4
 """The same for all vehicles, so that those who ask together share what is solved."""
 PRICE_STEP_USD = 1e-4
 MOST_HOURS_LATER = 12
@@ -104,9 +110,13 @@ def more_headroom(trials: Trials) -> Remedy | NoRemedy:
     room = trials.snapshot.rows.headroom_kw()[: trials.window]
     if not np.isfinite(room).any() or cannot_help(trials, everything):
         return NoRemedy("headroom", np.inf, proven=True)
-    grid_kw = headroom_grid_kw(trials.all_power_kw)
+    crowded = len(trials.others) > CROWD
+    graded, stride = (
+        (graded_headroom_kw, FIRST_STRIDE_GRADED) if crowded else (headroom_grid_kw, FIRST_STRIDE)
+    )
+    grid_kw = graded(trials.all_power_kw)
     ladder = Ladder(trials, lambda steps: change_by("headroom", grid_kw[steps]))
-    found = ladder.climb(FIRST_STRIDE, len(grid_kw) - 1)
+    found = ladder.climb(stride, len(grid_kw) - 1)
     if found.steps is None:
         return NoRemedy("headroom", np.inf, proven=found.least)
     amount = grid_kw[found.steps]
@@ -128,6 +138,13 @@ def headroom_grid_kw(most_kw: float) -> list[float]:
     return grid
 
 
+def graded_headroom_kw(most_kw: float) -> list[float]:
+    """The same from 0.1 kW in preferred numbers."""
+    decades = range(-1, max(0, ceil(log10(max(1.0, most_kw)))) + 1)
+    grid = [round(number * 10.0**power, 6) for power in decades for number in PREFERRED]
+    return [0.0, *grid[: bisect_left(grid, most_kw) + 1]]
+
+
 def _intervals(trials: Trials, slots: Iterable[int]) -> tuple[int, ...]:
     return tuple(trials.snapshot.now + int(slot) for slot in slots)
 
@@ -143,8 +160,7 @@ def _slots_used(trials: Trials, change: Change) -> tuple[int, ...]:
         return tuple(range(trials.window))
 
     def admits(first: int, end: int) -> bool:
-        slots = replace(change, slots=used[first:end])
-        return not trials.cannot_fit(slots) and trials.admits(slots)
+        return trials.admits(replace(change, slots=used[first:end]))
 
     end = len(used)
     first = _most_dropped(lambda n: admits(n, end), end - 1)

@@ -8,6 +8,7 @@ from evdash.explain.remedies import NoRemedy, Remedy
 from evdash.explain.trials import Trials
 from evdash.explain.words import Clock, cents, clock_of, counted, listed
 
+TENTH_KW = 0.1 + 1e-9
 MORE = {
     "chargers": "more chargers",
     "headroom": "more headroom",
@@ -40,7 +41,8 @@ def remedy_told(trials: Trials, remedy: Remedy) -> str:
     if remedy.kind == "chargers":
         told = f"with {_more_chargers(round(amount))}"
     elif remedy.kind == "headroom":
-        told = f"with {amount:.1f} kW more headroom {clock.spans(remedy.intervals)}"
+        told = f"with {_kw(amount)} more headroom{_too_little(remedy)} "
+        told += clock.spans(remedy.intervals)
     elif remedy.kind == "time":
         told = _later(trials, clock, round(amount))
     elif remedy.kind == "price":
@@ -55,6 +57,17 @@ def remedy_told(trials: Trials, remedy: Remedy) -> str:
 
 def _more_chargers(count: int) -> str:
     return counted(count, "more charger")
+
+
+def _kw(amount: float) -> str:
+    return f"{amount:.1f} kW" if round(amount, 1) == amount else f"{amount:g} kW"
+
+
+def _too_little(remedy: Remedy) -> str:
+    """What is known not to do, where amounts are told in steps coarser than 0.1 kW."""
+    if remedy.refused_at <= 0 or remedy.amount - remedy.refused_at < TENTH_KW:
+        return ""
+    return f" ({_kw(remedy.refused_at)} is not enough)"
 
 
 def _margin(remedy: Remedy) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Policy
-from evdash.domain.trace import Step, Trace
+from evdash.domain.trace import Happening, Step, Trace
 from evdash.explain.words import Clock, counted, listed, money
 from evdash.horizon.advance import snapshot_of
 from evdash.scheduling.p1 import p1_policy
@@ -60,9 +60,9 @@ def explain_revision(trace: Trace, interval: int, policy: Policy | None = None) 
         raise ValueError(f"no plan of interval {interval} follows another")
     last, step = steps[interval - 1], steps[interval]
     snapshot = snapshot_of(step.inputs, step.before)
-    before_kw = last.after.tail_kw
-    after_kw = step.plan.power_kw[: len(before_kw)]
     names = tuple(contract.vehicle for contract in step.before.contracts)
+    before_kw = _planned_before(last, names)
+    after_kw = step.plan.power_kw[: len(names)]
     hours = snapshot.interval_hours
     moves = moves_between(names, before_kw, after_kw, interval, hours)
     moved_kwh = sum(move.energy_kwh for move in moves)
@@ -77,7 +77,40 @@ def explain_revision(trace: Trace, interval: int, policy: Policy | None = None) 
         edited=edits_between(last, step),
         text="",
     )
-    return replace(revision, text=_told(step, revision))
+    clock = Clock(step.inputs.scenario, interval)
+    happened = happened_told([h for h in trace.happenings if h.interval == interval], clock)
+    edited = edits_told(revision) if not happened else ""
+    return replace(revision, text=f"{happened}{edited}{_told(step, revision)}")
+
+
+def _planned_before(last: Step, vehicles: Sequence[str]) -> Floats:
+    """What the step before had left to do for these vehicles, (vehicles, slots) in kW.
+
+    What happened in between may have closed contracts and opened others again.
+    """
+    tail_kw = last.after.tail_kw
+    rows = {
+        contract.vehicle: row for contract, row in zip(last.after.contracts, tail_kw, strict=True)
+    }
+    nothing = np.zeros(tail_kw.shape[1])
+    return np.array([rows.get(vehicle, nothing) for vehicle in vehicles]).reshape(
+        len(vehicles), len(nothing)
+    )
+
+
+def happened_told(happenings: Sequence[Happening], clock: Clock) -> str:
+    """What happened before the step was decided, and what it did to promises, in sentences."""
+    told = ""
+    for happening in happenings:
+        events = "; ".join(event.text for event in happening.events)
+        told += f"At {clock.at(happening.interval)}, {events}. "
+        short = [revision for revision in happening.revisions if revision.short_kwh > 0]
+        if short:
+            told += (
+                f"{happening.short_kwh:.1f} kWh promised to {counted(len(short), 'vehicle')} "
+                "cannot be delivered in time. "
+            )
+    return told
 
 
 def moves_between(
@@ -143,14 +176,18 @@ def edits_between(last: Step, step: Step) -> tuple[str, ...]:
     return tuple(what for what, is_edited in edits.items() if is_edited)
 
 
+def edits_told(revision: Revision) -> str:
+    """What had been edited before the step, in a sentence."""
+    return f"{listed(revision.edited).capitalize()} had been edited. " if revision.edited else ""
+
+
 def _told(step: Step, revision: Revision) -> str:
     clock = Clock(step.inputs.scenario, step.interval)
-    edited = f"{listed(revision.edited).capitalize()} had been edited. " if revision.edited else ""
     n, moved = len(step.before.contracts), revision.moved_kwh
     if not revision.moves:
         whose = "the only contract" if n == 1 else f"all {n} contracts"
         held = f"{whose} stayed as planned" if n else "there was no contract to change"
-        return f"{edited}At {clock.at(step.interval)} {held}."
+        return f"At {clock.at(step.interval)} {held}."
     vehicles = len({move.vehicle for move in revision.moves})
     who = "the only contract" if n == 1 else f"{vehicles} of {n} contracts"
     cost = revision.cost_change
@@ -160,7 +197,7 @@ def _told(step: Step, revision: Revision) -> str:
         else f"for {money(abs(cost))} {'more' if cost > 0 else 'less'} in energy"
     )
     return (
-        f"{edited}At {clock.at(step.interval)} {who} moved "
+        f"At {clock.at(step.interval)} {who} moved "
         f"{moved:.1f} kWh {paid}: {_shifts(clock, revision.moves)}. {_why(revision, cost)}"
     )
 

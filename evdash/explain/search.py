@@ -52,7 +52,8 @@ class Ladder:
 
         Then the gaps below are closed, the uppermost first.
         """
-        floor = self._most_not_fitting(most)
+        # one threshold is soon found without asking where the vehicle begins to fit
+        floor = 0 if self.single else self._most_not_fitting(most)
         if floor == most:
             return Found(None, least=True)
         refused, stride = floor, start
@@ -113,6 +114,8 @@ class Ladder:
             self.gaps.append((middle, high))
 
     def _admits(self, steps: int) -> bool:
+        if self.single and self._cannot_fit(0) and self._cannot_fit(steps):
+            return False  # a small problem proves what the whole one would
         return self.trials.admits(self.change(steps))
 
     def _cannot_fit(self, steps: int) -> bool:

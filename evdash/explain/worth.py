@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TypeVar
 
+from evdash.domain.events import Event
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Line, Node, Scenario
 from evdash.domain.trace import Inputs, Trace
@@ -50,20 +51,19 @@ class Worth:
 def day_worths(trace: Trace, policy: Policy | None = None) -> Iterator[Worth]:
     """What one more charger, 10 kVA more of the binding rating and a wider voltage band are worth.
 
-    Each is worked out when asked for, by running the day of `trace` anew from its start under
-    the inputs now in force. The rating is that of the element reached most often, or else
-    tightest most often; without a rated element among them there is none to raise.
+    Each is worked out when asked for, by running the day of `trace` anew from its start, with
+    all that happens on the way happening again. The rating is that of the element reached most
+    often, or else tightest most often; without a rated element among them there is none to raise.
     """
-    policy = policy or p1_policy()
-    base = rerun(trace, trace.scenario, policy)
-    yield _worth(base, "One more charger", one_more_charger(trace.scenario), policy)
+    policy, given = policy or p1_policy(), trace.inputs.given
+    base = rerun(trace, given, policy)
+    yield _worth(base, "One more charger", one_more_charger(given), policy)
     element = binding_rating(base)
     if element is not None:
-        named = element_words(element, trace.scenario)
-        what = f"{MORE_KVA:g} kVA more on {named}"
-        yield _worth(base, what, higher_rating(trace.scenario, element), policy)
+        what = f"{MORE_KVA:g} kVA more on {element_words(element, given)}"
+        yield _worth(base, what, higher_rating(given, element), policy)
     what = f"A voltage band wider by {WIDER_PU:g} pu on either side"
-    yield _worth(base, what, wider_band(trace.scenario), policy)
+    yield _worth(base, what, wider_band(given), policy)
 
 
 def rerun(trace: Trace, scenario: Scenario, policy: Policy) -> Trace:
@@ -91,9 +91,12 @@ def _worth(base: Trace, what: str, scenario: Scenario, policy: Policy) -> Worth:
 
 
 def one_more_charger(scenario: Scenario) -> Scenario:
-    """The scenario with one charger more."""
+    """The scenario with one charger more, also where an event sets how many work."""
     chargers = scenario.station.chargers + 1
-    return scenario.replacing(station=scenario.station.model_copy(update={"chargers": chargers}))
+    return scenario.replacing(
+        station=scenario.station.model_copy(update={"chargers": chargers}),
+        events=tuple(_more(e, 1.0) if e.event == "chargers" else e for e in scenario.events),
+    )
 
 
 def wider_band(scenario: Scenario) -> Scenario:
@@ -113,15 +116,21 @@ def binding_rating(trace: Trace) -> str | None:
 
 
 def higher_rating(scenario: Scenario, element: str) -> Scenario:
-    """The scenario with 10 kVA more on `line:…` or `node:…`."""
+    """The scenario with 10 kVA more on `line:…` or `node:…`, also where an event rates it."""
     kind, _, name = element.partition(":")
-    if kind == "node":
-        return scenario.replacing(
-            nodes=tuple(_raised(n) if n.node == name else n for n in scenario.nodes)
-        )
-    return scenario.replacing(
-        lines=tuple(_raised(line) if line.name == name else line for line in scenario.lines)
+    events = tuple(
+        _more(e, MORE_KVA) if e.event == "rating" and e.subject == element else e
+        for e in scenario.events
     )
+    if kind == "node":
+        nodes = tuple(_raised(n) if n.node == name else n for n in scenario.nodes)
+        return scenario.replacing(nodes=nodes, events=events)
+    lines = tuple(_raised(line) if line.name == name else line for line in scenario.lines)
+    return scenario.replacing(lines=lines, events=events)
+
+
+def _more(event: Event, more: float) -> Event:
+    return event.model_copy(update={"value": event.amount + more})
 
 
 def _raised(rated: Rated) -> Rated:

@@ -28,21 +28,28 @@ SECONDS_PER_INTERVAL = 20.0
 ROUNDING_USD = 1e-8
 
 Solver = Callable[[Problem, float], Solution]
+Choice = Callable[[Problem, Bools, Floats, float, float], Floats]
+"""Which of the plans that are worth the same: from who is admitted, powers, bound and seconds."""
 
 
 def p1_policy(solve: Solver = solve_fast, seconds: float = SECONDS_PER_INTERVAL) -> Policy:
     """The policy that maximises the profit of what is known now, within `seconds`."""
+    return partial(_decided, solve, seconds, _earlier)
 
-    def p1(snapshot: Snapshot) -> Plan:
-        began = time.perf_counter()
-        problem = problem_of(snapshot)
-        if problem.n_vehicles:
-            solution = usable(answered(partial(solve, problem, seconds), seconds), problem)
-        else:
-            solution = _nothing(problem)
-        return plan_of(snapshot, problem, solution, began, seconds)
 
-    return p1
+def p1_answers(solve: Solver = solve_fast, seconds: float = SECONDS_PER_INTERVAL) -> Policy:
+    """The same answers and the same value to the cent, any plan: where nobody is to follow it."""
+    return partial(_decided, solve, seconds, _as_found)
+
+
+def _decided(solve: Solver, seconds: float, choice: Choice, snapshot: Snapshot) -> Plan:
+    began = time.perf_counter()
+    problem = problem_of(snapshot)
+    if problem.n_vehicles:
+        solution = usable(answered(partial(solve, problem, seconds), seconds), problem)
+    else:
+        solution = _nothing(problem)
+    return plan_of(snapshot, problem, solution, began, seconds, choice=choice)
 
 
 def usable(solution: Solution, problem: Problem) -> Solution:
@@ -61,9 +68,15 @@ def usable(solution: Solution, problem: Problem) -> Solution:
 
 
 def plan_of(
-    snapshot: Snapshot, problem: Problem, solution: Solution, began: float, seconds: float
+    snapshot: Snapshot,
+    problem: Problem,
+    solution: Solution,
+    began: float,
+    seconds: float,
+    *,
+    choice: Choice,
 ) -> Plan:
-    """A clean plan from a solution: the tail if that is cheaper, then as early as a cent allows."""
+    """A clean plan from a solution, or the tail if that is cheaper; of equal ones by `choice`."""
     admitted, power_kw = solution.admitted, cleaned(problem, solution.admitted, solution.power_kw)
     if problem.tail_objective <= problem.objective(admitted, power_kw):
         admitted, power_kw = _contracts_only(problem), problem.tail_kw
@@ -71,7 +84,7 @@ def plan_of(
     # a bound that a point undercuts by more than the cent of proof is none
     bound = min(solution.bound, reached) if solution.bound <= reached + OPTIMALITY_USD else -np.inf
     left = max(0.5, seconds - (time.perf_counter() - began))
-    power_kw = _earlier(problem, admitted, power_kw, bound, left)
+    power_kw = choice(problem, admitted, power_kw, bound, left)
     objective = problem.objective(admitted, power_kw)
     under_contract = np.flatnonzero(admitted)
     return Plan(
@@ -129,6 +142,12 @@ def _earlier(
         return power_kw
     earlier = cleaned(problem, admitted, earlier)
     return earlier if problem.energy_cost(earlier) <= limit + ROUNDING_USD else power_kw
+
+
+def _as_found(
+    problem: Problem, admitted: Bools, power_kw: Floats, bound: float, seconds: float
+) -> Floats:
+    return power_kw
 
 
 def _contracts_only(problem: Problem) -> Bools:

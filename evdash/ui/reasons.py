@@ -2,10 +2,11 @@
 
 from evdash.domain.trace import Trace
 from evdash.errors import SolverFailure
+from evdash.explain.binding import binding_told
 from evdash.explain.refusals import explain_vehicle, too_late
 from evdash.explain.revisions import explain_revision
 from evdash.explain.worth import day_worths
-from evdash.ui.solving import policy
+from evdash.ui.solving import answers, policy
 from evdash.ui.words import plain
 
 NOT_IN_TIME = "That could not be found out in time."
@@ -21,7 +22,7 @@ def refused_latest_first(trace: Trace) -> list[str]:
 def told_why(trace: Trace, vehicle: str) -> list[str]:
     """Cause and remedy as paragraphs of Markdown."""
     try:
-        explanation = explain_vehicle(trace, vehicle, policy)
+        explanation = explain_vehicle(trace, vehicle, answers)
     except SolverFailure:
         return [NOT_IN_TIME]
     return [plain(line) for line in (explanation.detail, explanation.remedy) if line]
@@ -40,6 +41,11 @@ def told_revision_at(trace: Trace, interval: int) -> list[str]:
         return [plain(explain_revision(trace, interval, policy).text)]
     except SolverFailure:
         return [NOT_IN_TIME]
+
+
+def told_binding(trace: Trace) -> list[str]:
+    """Which element sets the headroom in which hours, and when it is reached."""
+    return [f"- {plain(line)}" for line in binding_told(trace)] or ["Nothing binds so far."]
 
 
 def told_worths(trace: Trace) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from evdash.domain.plan import Plan, Policy, Snapshot
-from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.p1 import p1_answers, p1_policy
 
 SLOTS = 2
 MOST_PLANS = 500
@@ -89,5 +89,7 @@ def fingerprint(snapshot: Snapshot) -> bytes:
 TURNS = Turns(SLOTS)
 policy: Policy = shared(p1_policy(), TURNS)
 """The paper's policy, shared by all sessions of this server."""
+answers: Policy = shared(p1_answers(), TURNS)
+"""P1's answers alone, for explanations: nobody follows those plans."""
 study_policy: Policy = shared(p1_policy(), TURNS, most_plans=0)
 """The same in the same turns; remembers nothing, as no day of a study comes twice."""

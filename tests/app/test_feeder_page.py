@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from tests.app.test_live_page import PRESETS, clicked, figures, opened, session
+from evdash.ui.reasons import told_binding, told_worths
+from tests.app.test_live_page import PRESETS, clicked, figures, opened, opened_texts, session
 
 PAGE = "pages/feeder.py"
 CHARTS = {"chart_feeder", "chart_voltage_map", "chart_headroom", "chart_ac_gap"}
@@ -101,3 +102,14 @@ def test_violations_of_the_station_in_ac_are_told_in_red() -> None:
 def test_a_table_stands_under_every_chart() -> None:
     at = feeder_page(steps=3)
     assert len([box for box in at.expander if "table" in box.label]) == 5
+
+
+def test_what_binds_and_what_more_is_worth_are_told_when_opened() -> None:
+    at = feeder_page(steps=12)
+    trace = session(at).run.trace
+    assert set(told_binding(trace)) <= set(opened_texts(at, "told_binding"))
+    assert "told_worth" not in [box.key for box in at.expander]
+    clicked(at, "finish")
+    told_after = told_worths(session(at).run.trace)
+    assert len(told_after) == 3
+    assert set(told_after) <= set(opened_texts(at, "told_worth"))

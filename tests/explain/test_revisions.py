@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from benchmarks.random_days import random_scenario
+from evdash.domain.events import Event
 from evdash.domain.trace import Trace
 from evdash.explain.revisions import explain_revision
 from evdash.files.bundled import DEFAULT
 from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day, step
+from evdash.horizon.happen import happen
 from evdash.horizon.revise import revise
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import vehicle
@@ -113,3 +115,42 @@ def test_nothing_to_tell():
         explain_revision(trace, 0)
     with pytest.raises(ValueError, match="follows another"):
         explain_revision(replace(trace, steps=trace.steps[1:]), 1)
+
+
+def test_what_happened_between_two_plans_is_told_and_shifts_no_row():
+    """a never comes: the rows of those who stay are held against their own of before."""
+    scenario = roomy(
+        [16.0] * 5,
+        price=[0.1, 0.11, 0.2, 0.2, 0.2],
+        vehicles=[
+            vehicle("a", hour=0, need_kwh=16.0, option="C2", max_kw=8.0),
+            vehicle("b", hour=0, need_kwh=16.0, option="C2", max_kw=8.0),
+        ],
+    )
+    trace = step(start_day(scenario), p1_policy())
+    planned = dict(
+        zip([c.vehicle for c in trace.state.contracts], trace.state.tail_kw, strict=True)
+    )
+    gone = happen(trace, [Event(interval=1, event="no_show", subject="a")])
+    done = step(gone, p1_policy())
+    told = explain_revision(done, 1)
+    assert told.text.startswith("At 01:00, a does not come. At 01:00 ")
+    assert {move.vehicle for move in told.moves} <= {"b"}
+    after = done.steps[1].plan.power_kw[0]
+    assert told.cost_change == pytest.approx(
+        float((after - planned["b"]) @ done.scenario.price_per_kwh[1:])
+    )
+
+
+def test_what_becomes_short_is_told():
+    scenario = roomy(
+        [8.0] * 4,
+        vehicles=[vehicle("c", hour=0, need_kwh=16.0, option="C2", max_kw=8.0)],
+    )
+    trace = step(start_day(scenario), p1_policy())
+    failed = happen(trace, [Event(interval=1, event="chargers", value=0)])
+    told = explain_revision(step(failed, p1_policy()), 1)
+    missing = failed.happenings[-1].short_kwh
+    assert missing > 1
+    assert told.text.startswith("At 01:00, 0 chargers work from now on. ")
+    assert f"{missing:.1f} kWh promised to 1 vehicle cannot be delivered in time." in told.text

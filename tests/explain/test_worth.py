@@ -2,8 +2,10 @@
 
 import pytest
 
-from evdash.explain.binding import CHARGERS, binding_elements
-from evdash.explain.worth import binding_rating, day_worths
+from evdash.domain.events import Event
+from evdash.explain.binding import CHARGERS, binding_elements, binding_told
+from evdash.explain.words import Clock
+from evdash.explain.worth import binding_rating, day_worths, higher_rating
 from evdash.files.bundled import DEFAULT, PRESETS
 from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
@@ -98,3 +100,31 @@ def test_without_limits_nothing_binds():
         "One more charger",
         "A voltage band wider by 0.01 pu on either side",
     ]
+
+
+def test_what_happens_on_the_way_happens_again(bundled):
+    """Ten chargers from noon on: with one more of them there are thirteen before, eleven after."""
+    given = bundled.scenario
+    failing = given.replacing(events=(Event(interval=12, event="chargers", value=10),))
+    trace = ran(failing)
+    more = edit_scenario(given, {"station.chargers": given.station.chargers + 1})
+    by_hand = ran(more.replacing(events=(Event(interval=12, event="chargers", value=11),)))
+    first = next(day_worths(trace))
+    assert first.admitted == totals(by_hand).admitted - totals(trace).admitted
+    assert first.profit == pytest.approx(totals(by_hand).profit - totals(trace).profit, abs=1e-9)
+
+
+def test_a_lowered_rating_is_raised_where_it_was_lowered(bundled):
+    lowered = Event(interval=12, event="rating", subject="line:633-634", value=450.0)
+    raised_both = higher_rating(bundled.scenario.replacing(events=(lowered,)), "line:633-634")
+    assert raised_both.events[0].value == 460.0
+    line = next(one for one in raised_both.lines if one.name == "633-634")
+    assert line.rating_kva == 510.0
+
+
+def test_what_binds_is_told_with_its_hours(bundled):
+    told = " ".join(binding_told(bundled))
+    assert "Line or transformer 633-634 (500 kVA) sets the headroom from 00:00 to 24:00" in told
+    full = next(row for row in binding_elements(bundled) if row.element == CHARGERS).reached
+    assert f"All chargers are in use {Clock(bundled.scenario, 0).spans(full)}." in told
+    assert binding_told(start_day(bundled.scenario)) == ()

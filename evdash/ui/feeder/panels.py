@@ -15,7 +15,8 @@ from evdash.ui.feeder.words import (
     verdict,
     violation_rows,
 )
-from evdash.ui.parts import chart, table, table_below, view
+from evdash.ui.parts import chart, table, table_below, told_below, view
+from evdash.ui.reasons import told_binding, told_worths
 from evdash.ui.session import Session
 
 
@@ -74,6 +75,11 @@ def headroom(session: Session) -> None:
         headroom_alt(ahead, names),
     )
     table_below("headroom", lambda: headroom_table(ahead, names))
+    trace = session.run.trace
+    if trace.steps:
+        told_below(session, "binding", "What binds, and when", lambda: told_binding(trace))
+    if trace.is_over:
+        told_below(session, "worth", "What would more have been worth?", lambda: told_worths(trace))
 
 
 HEADROOM_HELP = (

@@ -1,11 +1,15 @@
 """What the optimiser just decided, and why somebody was refused."""
 
-from collections.abc import Callable
-
 import streamlit as st
 
-from evdash.ui.parts import small_table, table_below, view
-from evdash.ui.reasons import refused_latest_first, told_revision, told_why, told_worths
+from evdash.ui.parts import small_table, table_below, told_below, view
+from evdash.ui.reasons import (
+    refused_latest_first,
+    told_binding,
+    told_revision,
+    told_why,
+    told_worths,
+)
 from evdash.ui.session import Session
 from evdash.ui.words import (
     clock,
@@ -31,9 +35,14 @@ def decision(session: Session) -> None:
             small_table(rows, height=290)
             table_below("requests", lambda: _reasons(session), "All answers in full")
         why(session)
-        _told_below("revision", "What changed from the plan before", lambda: told_revision(trace))
+        told_below(
+            session, "revision", "What changed from the plan before", lambda: told_revision(trace)
+        )
+        told_below(session, "binding", "What binds, and when", lambda: told_binding(trace))
         if trace.is_over:
-            _told_below("worth", "What would more have been worth?", lambda: told_worths(trace))
+            told_below(
+                session, "worth", "What would more have been worth?", lambda: told_worths(trace)
+            )
 
 
 INTRODUCTION = (
@@ -73,15 +82,6 @@ def _reasons(session: Session) -> list[dict[str, object]]:
         {"Vehicle": row["Vehicle"], "Why not": reasons.get(str(row["Vehicle"]), "admitted")}
         for row in _requests(session)
     ]
-
-
-def _told_below(name: str, label: str, tell: Callable[[], list[str]]) -> None:
-    """Paragraphs that take solving, worked out only when opened."""
-    box = st.expander(label, key=f"told_{name}", type="compact", on_change="rerun")
-    if box.open:
-        with box, st.spinner("Solving again …"):
-            for line in tell():
-                st.markdown(line)
 
 
 def why(session: Session) -> None:
