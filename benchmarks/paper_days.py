@@ -11,10 +11,10 @@ import statistics
 from pathlib import Path
 
 from evdash.files.bundled import DEFAULT
-from evdash.files.days_file import PAPER_DAYS, days_text, measured
 from evdash.files.scenario_folder import read_scenario
 from evdash.scheduling.p1 import p1_policy
 from evdash.studies.days import days_taken
+from evdash.studies.days_file import PAPER_DAYS, days_text, measured
 
 
 def main() -> None:

@@ -14,6 +14,7 @@ from evdash import __version__
 from evdash.cli.audit import audit
 from evdash.cli.export import add_export
 from evdash.cli.run import run
+from evdash.cli.study import add_study
 from evdash.cli.validate import validate
 from evdash.errors import EvdashError, InputError
 from evdash.horizon.networks import NETWORKS
@@ -66,6 +67,7 @@ def parser() -> argparse.ArgumentParser:
     _add_validate(commands)
     _add_audit(commands)
     add_export(commands, STATUSES)
+    add_study(commands, STATUSES)
     return top
 
 

@@ -55,3 +55,14 @@ def declare_optional(description: str, unit: str, **bounds: Any) -> Any:
         json_schema_extra={"unit": unit},
         **bounds,
     )
+
+
+def declare_default(description: str, unit: str, default: Any, **bounds: Any) -> Any:
+    """Declare a field that may be left out and then has the value told in its documentation."""
+    return Field(
+        default=default,
+        description=description,
+        examples=[default],
+        json_schema_extra={"unit": unit},
+        **bounds,
+    )

@@ -27,11 +27,12 @@ VA_PER_KVA = 1000.0
 class Flows:
     """AC solutions, NaN where there is none: voltage_pu (flows, nodes), line_kva (flows, lines).
 
-    `line_kva` is the larger of both ends.
+    `line_kva` is the larger of both ends, `losses_kw` (flows,) those of all lines.
     """
 
     voltage_pu: Floats
     line_kva: Floats
+    losses_kw: Floats
 
     @property
     def solved(self) -> np.ndarray:
@@ -89,14 +90,16 @@ class AcBatch:
             continue_on_batch_error=True,
             output_component_types={
                 ComponentType.node: ["u_pu"],
-                ComponentType.line: ["s_from", "s_to"],
+                ComponentType.line: ["s_from", "s_to", "p_from", "p_to"],
             },
         )
         voltage_pu = result[ComponentType.node]["u_pu"][:, 1:].copy()
         line = result[ComponentType.line]
         line_kva = np.maximum(line["s_from"], line["s_to"]) / VA_PER_KVA
+        losses_kw = (line["p_from"] + line["p_to"]).sum(axis=1) / VA_PER_KVA
         failed = self.model.batch_error
         if failed is not None:
             voltage_pu[failed.failed_scenarios] = np.nan
             line_kva[failed.failed_scenarios] = np.nan
-        return Flows(voltage_pu, line_kva)
+            losses_kw[failed.failed_scenarios] = np.nan
+        return Flows(voltage_pu, line_kva, losses_kw)

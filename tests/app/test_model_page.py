@@ -6,8 +6,8 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from evdash.files.bundled import bundled_scenarios
-from evdash.files.days_file import read_days
 from evdash.files.scenario_folder import resolved
+from evdash.studies.days_file import read_days
 from evdash.ui import run as runs
 from evdash.ui.glossary import GLOSSARY
 from evdash.ui.model import study as studies

@@ -15,8 +15,8 @@ from evdash.charts.completion import (
 )
 from evdash.charts.days import days_alt, days_figure
 from evdash.domain.trace import Trace
-from evdash.files.days_file import read_days
 from evdash.metrics.outlook import outlook
+from evdash.studies.days_file import read_days
 
 
 def test_completion_is_valid_and_every_vehicle_reaches_all_of_it(traces: dict[str, Trace]) -> None:

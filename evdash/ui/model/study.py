@@ -11,8 +11,8 @@ from evdash.charts.days import days_alt, days_figure
 from evdash.charts.drawn import Drawn
 from evdash.charts.style import CONFIG
 from evdash.domain.scenario import GeneratedArrivals, Scenario
-from evdash.files.days_file import MeasuredDays, processor, read_days
 from evdash.studies.days import DayTaken, days_taken
+from evdash.studies.days_file import MeasuredDays, processor, read_days
 from evdash.ui.parts import table_below
 from evdash.ui.session import Session
 from evdash.ui.solving import study_policy

@@ -1,0 +1,163 @@
+"""`study`: many days, their tables, and what they show in a summary."""
+
+import argparse
+from collections import Counter
+from pathlib import Path
+
+from filelock import Timeout
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from evdash.domain.study import Band
+from evdash.studies.crew import Crew
+from evdash.studies.engine import Progress as Stand
+from evdash.studies.engine import run_study
+from evdash.studies.folder import STUDY, SUMMARY, Busy, StudyFolder
+from evdash.studies.measures import MEASURES
+from evdash.studies.reading import read_study
+from evdash.studies.tables import Found, bands
+
+FAILED, DONE = 1, 0
+SHOWN_GROUPS, SHOWN_METRICS, SHOWN_REASONS = 30, 3, 5
+
+
+def add_study(
+    commands: "argparse._SubParsersAction[argparse.ArgumentParser]", statuses: str
+) -> None:
+    """The command and its options."""
+    command = commands.add_parser(
+        "study",
+        help="run many days and put what they show into tables",
+        description="Run a study: the same day with many seeds, settings, policies or network "
+        "models. Results land one by one in the --out folder; the same command resumes a study "
+        "that was stopped, and runs only what is new in one that was changed.",
+        epilog=statuses,
+    )
+    command.add_argument("study", type=Path, metavar="FILE", help="a study file, .toml")
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", required=True, help="folder of results and tables"
+    )
+    command.add_argument(
+        "--workers", type=_workers, default=0, metavar="N", help="processes (default: one a core)"
+    )
+    command.add_argument(
+        "--scheduler",
+        default="",
+        metavar="ADDRESS",
+        help="run on the workers of this Dask scheduler instead, tcp://host:8786",
+    )
+    command.add_argument(
+        "--retry", action="store_true", help="try the runs again that have failed before"
+    )
+    command.set_defaults(command=study)
+
+
+def _workers(text: str) -> int:
+    count = int(text)
+    if count < 1:
+        raise argparse.ArgumentTypeError("should be at least 1")
+    return count
+
+
+def study(options: argparse.Namespace) -> int:
+    """Run or resume a study; 1 if it was stopped or any of its runs failed, 0 otherwise."""
+    runs = read_study(options.study)
+    folder = StudyFolder(options.out)
+    folder.check()
+    if options.study.resolve() != (folder.path / STUDY).resolve():
+        folder.begin(runs)
+    try:
+        with folder.lock():
+            if options.retry:
+                folder.results.forget_failed()
+            stopped = _run(folder, options)
+            found = folder.found(runs)
+            folder.write_tables(found)
+    except Timeout as error:
+        raise Busy(f"{options.out}: another process is running this study") from error
+    _report(found, folder)
+    if stopped:
+        Console(stderr=True, highlight=False).print(
+            "stopped; the same command goes on with what is left"
+        )
+    failed = any(result.status == "failed" for result in found.results.values())
+    return FAILED if stopped or failed else DONE
+
+
+def _run(folder: StudyFolder, options: argparse.Namespace) -> bool:
+    """Run what is left, with progress on stderr; whether it was stopped before its end."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    runs = folder.read()
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("running", total=len(runs.runs))
+
+        def told(now: Stand) -> None:
+            failed = f", {now.failed} failed" if now.failed else ""
+            progress.update(
+                task, total=now.total, completed=now.ended, description=f"running{failed}"
+            )
+
+        try:
+            run_study(runs, folder.results, Crew(options.workers, options.scheduler), told)
+        except KeyboardInterrupt:
+            return True
+    return False
+
+
+def _report(found: Found, folder: StudyFolder) -> None:
+    """The bands of the first metrics, failures by reason, and where the tables are."""
+    console = Console(highlight=False)
+    study = found.runs.study
+    console.print(f"[bold]{escape(study.name)}[/]  {escape(study.question)}", soft_wrap=True)
+    rows = bands(found)
+    groups = list(dict.fromkeys(band.group for band in rows))
+    console.print(_table(found, rows, groups[:SHOWN_GROUPS]))
+    if len(groups) > SHOWN_GROUPS:
+        console.print(f"and {len(groups) - SHOWN_GROUPS} more in {SUMMARY}")
+    if any(band.days > 1 for band in rows):
+        console.print("median (5 % to 95 % of days)", style="dim")
+    _failures(console, found)
+    console.print(f"written to {escape(str(folder.path))}", soft_wrap=True)
+
+
+def _table(found: Found, rows: list[Band], groups: list[tuple[object, ...]]) -> Table:
+    """A row a group; what all groups have in common is left out."""
+    names = (*found.runs.axes, "policy", "network")
+    told = [i for i in range(len(names)) if len({group[i] for group in groups}) > 1]
+    metrics = found.metrics[:SHOWN_METRICS]
+    table = Table(box=None, header_style="dim", pad_edge=False)
+    for i in told:
+        table.add_column(escape(names[i]))
+    for metric in metrics:
+        table.add_column(escape(MEASURES[metric].head), justify="right")
+    by_cell = {(band.group, band.metric): band for band in rows}
+    for group in groups:
+        cells = [_told(by_cell.get((group, metric))) for metric in metrics]
+        table.add_row(*(escape(f"{group[i]}") for i in told), *cells)
+    return table
+
+
+def _told(band: Band | None) -> str:
+    if band is None:
+        return "–"
+    tell = MEASURES[band.metric].told
+    spread = f" ({tell(band.p05)} to {tell(band.p95)})" if band.days > 1 else ""
+    return tell(band.p50) + spread
+
+
+def _failures(console: Console, found: Found) -> None:
+    reasons = Counter(r.reason for r in found.results.values() if r.status == "failed")
+    for reason, count in reasons.most_common(SHOWN_REASONS):
+        console.print(f"[bold red]{count} runs failed:[/] {escape(reason)}", soft_wrap=True)
+    if len(reasons) > SHOWN_REASONS:
+        console.print(f"    and for {len(reasons) - SHOWN_REASONS} more reasons, in runs.csv")
+    missing = len({run.key for run in found.runs.runs} - set(found.results))
+    if missing:
+        console.print(f"[yellow]{missing} runs are still to come[/]")

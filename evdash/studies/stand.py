@@ -1,0 +1,58 @@
+"""How far a study in a process of its own is, as it says itself and as the system knows."""
+
+import json
+import os
+import time
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+from evdash.studies.folder import StudyFolder
+
+STAND, STOP = "stand.json", "stop"
+START_SECONDS = 120.0
+"""How long a process may take to come up before it counts as lost."""
+State = Literal["starting", "waiting", "running", "done", "stopped", "broken", "interrupted"]
+LIVE: tuple[State, ...] = ("starting", "waiting", "running")
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """A study's state. `since` is when it was asked for; `said` why it is broken; the rest as in
+    `engine.Progress`."""
+
+    state: State
+    since: float
+    total: int = 0
+    done: int = 0
+    failed: int = 0
+    seconds_left: float | None = None
+    said: str = ""
+
+    @property
+    def is_live(self) -> bool:
+        """Whether somebody is at it or about to be."""
+        return self.state in LIVE
+
+    @property
+    def ended(self) -> int:
+        return self.done + self.failed
+
+
+def write_stand(folder: StudyFolder, stand: Stand) -> None:
+    """Say how far the study is."""
+    beside = folder.path / f".{STAND}.{os.getpid()}"
+    beside.write_text(json.dumps(asdict(stand)), encoding="utf-8")
+    os.replace(beside, folder.path / STAND)
+
+
+def read_stand(folder: StudyFolder) -> Stand | None:
+    """How far the study is; None where nobody has begun it. What says it is running while no
+    process is at it was interrupted."""
+    try:
+        stand = Stand(**json.loads((folder.path / STAND).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
+        return None
+    fresh = stand.state == "starting" and time.time() - stand.since < START_SECONDS
+    if stand.is_live and not fresh and not folder.is_running:
+        return Stand("interrupted", stand.since, stand.total, stand.done, stand.failed)
+    return stand

@@ -1,0 +1,92 @@
+"""One run of a study, as a worker does it: plain data in, plain data out."""
+
+import signal
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+
+from threadpoolctl import ThreadpoolController
+
+from evdash.domain.scenario import Scenario
+from evdash.domain.study import Result
+from evdash.domain.trace import Inputs, Network
+from evdash.errors import EvdashError
+from evdash.grid.acmany import ManyDays
+from evdash.horizon.day import begin, run_day
+from evdash.horizon.inputs import prepare, prepare_like
+from evdash.policies.registry import RULES
+from evdash.studies.code import code_version
+from evdash.studies.days import with_seed
+from evdash.studies.measures import Day, figures
+
+
+class OtherCode(EvdashError):
+    """A worker runs other code than the study was begun with, so its results would not fit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A run to be done. `scenario` is JSON; `code` the version of the code that asks."""
+
+    key: str
+    scenario: str
+    seed: int | None
+    policy: str
+    network: Network
+    referee: bool
+    code: str
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """What all days of one point share: its scenario, the rows of its feeder, the feeder in AC."""
+
+    inputs: Inputs
+    feeder: ManyDays
+
+
+def work(task: Task) -> Result:
+    """Do a run; whatever goes wrong is its result. Raises OtherCode."""
+    if task.code != code_version():
+        raise OtherCode(
+            "a worker runs another version of evdash or of a package beneath; start it from the "
+            "same folder and environment"
+        )
+    began = time.process_time()
+    try:
+        with _threads().limit(limits=1):  # sums come out the same only on one thread
+            found = figures(_day(task))
+    except Exception as error:  # noqa: BLE001 - a run that fails must not end the study
+        kind = "" if isinstance(error, EvdashError) else f"{type(error).__name__}: "
+        reason = f"{kind}{error}" or type(error).__name__
+        return Result(task.key, "failed", reason, {}, time.process_time() - began)
+    return Result(task.key, "done", "", found, time.process_time() - began)
+
+
+def _day(task: Task) -> Day:
+    prepared = _prepared(task.scenario, task.network)
+    scenario = prepared.inputs.given
+    if task.seed is not None:
+        scenario = with_seed(scenario, task.seed)
+    inputs = prepare_like(scenario, prepared.inputs)
+    rule = RULES[task.policy]
+    trace = run_day(begin(inputs), rule.make(inputs), decide=rule.decide)
+    # the loads of the whole day as they turned out decide its power flow
+    feeder = ManyDays(trace.scenario) if trace.happenings else prepared.feeder
+    return Day(trace, feeder, task.referee)
+
+
+@lru_cache(maxsize=4)
+def _prepared(scenario: str, network: Network) -> Prepared:
+    read = Scenario.model_validate_json(scenario)
+    return Prepared(prepare(read, network), ManyDays(read))
+
+
+@lru_cache(maxsize=1)
+def _threads() -> ThreadpoolController:
+    return ThreadpoolController()
+
+
+def leave_interrupts() -> None:
+    """Have Ctrl-C reach only who asked for the work: a worker goes when that one lets it go."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
