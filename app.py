@@ -14,6 +14,7 @@ LEARN = [
 PLAN = [
     st.Page("pages/scenario.py", title="Scenario", icon=":material/tune:"),
     st.Page("pages/compare.py", title="Compare", icon=":material/compare_arrows:"),
+    st.Page("pages/studies.py", title="Studies", icon=":material/query_stats:"),
 ]
 shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
 page.go_on("pages/live.py")

@@ -12,13 +12,18 @@ FEW = 45
 
 
 def site_map(
-    scenario: Scenario, values: Mapping[str, float], told: Mapping[str, str], value: str
+    scenario: Scenario,
+    values: Mapping[str, float],
+    told: Mapping[str, str],
+    value: str,
+    least_is_best: bool = False,
 ) -> Figure:
     """Nodes coloured by a value, the best one ringed, the present site a diamond."""
     layout = layout_of(scenario)
     source, station = scenario.feeder.source_node, scenario.station.node
     known = [node for node in layout.order if node in values]
-    best = max(known, key=values.__getitem__, default=None)
+    pick = min if least_is_best else max
+    best = pick(known, key=values.__getitem__, default=None)
     lines = {
         "type": "scatter",
         "mode": "lines",

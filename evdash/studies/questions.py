@@ -48,13 +48,14 @@ def _around(count: int) -> tuple[int, ...]:
 
 def chargers(scenario: Scenario) -> Study:
     """The station with fewer and more chargers."""
-    axis = Axis(key="station.chargers", values=_around(scenario.station.chargers))
+    axis = Axis(name="chargers", key="station.chargers", values=_around(scenario.station.chargers))
     return _study(scenario, "How many chargers?", DAYS, (axis,))
 
 
 def transformer(scenario: Scenario) -> Study:
     """Chargers against the rating of the line or transformer that limits most."""
-    axes: tuple[Axis, ...] = (Axis(key="station.chargers", values=_around(_chargers(scenario))),)
+    counts = _around(_chargers(scenario))
+    axes: tuple[Axis, ...] = (Axis(name="chargers", key="station.chargers", values=counts),)
     line = limiting_line(scenario)
     if line is not None:
         name, rating = line

@@ -83,6 +83,11 @@ class Results:
             known = dict(data.execute("SELECT key, status FROM results").fetchall())
         return {key: known[key] for key in keys if key in known}
 
+    def content(self) -> bytes:
+        """The whole file as it is at this moment, also while somebody writes it."""
+        with self._open() as data:
+            return data.serialize()
+
     def forget_failed(self) -> None:
         """Have every failed run be tried again."""
         if self.path.exists():

@@ -10,6 +10,7 @@ from streamlit.navigation.page import Page
 
 from evdash.ui.keeping import LINK
 from evdash.ui.session import KEY, PRESET, Session
+from evdash.ui.studies import mine
 
 ICON = Path(__file__).with_name("icon.svg")
 STYLE = """
@@ -63,6 +64,7 @@ def navigation(groups: Mapping[str, Sequence[Page]]) -> Page:
 
 def keep_address() -> None:
     """Have the address say which run this is, also after a change or a link to another page."""
+    mine.keep_address()
     session: Session | None = st.session_state.get(KEY)
     if session is None:
         return  # what the address says is still to be read

@@ -17,6 +17,7 @@ STUDY = """
 format = 1
 name = "small"
 base = "base"
+referee_every = 0
 metrics = ["profit", "admitted", "least_headroom_kw", "tightest", "lowest_ac_pu", "ac_losses_kwh"]
 
 [seeds]

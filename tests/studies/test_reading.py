@@ -121,7 +121,9 @@ def test_points_are_all_combinations_and_runs_stand_in_order(tmp_path) -> None:
     assert [(run.point, run.seed) for run in runs.runs] == [
         (p, s) for p in range(4) for s in (3, 4)
     ]
-    assert runs.runs[0].referee
+    assert not any(run.referee for run in runs.runs)
+    asked = read_study(write_study(tmp_path, STUDY.format(count=2).replace("= 0", "= 1000")))
+    assert [run.referee for run in asked.runs] == [True] + [False] * 7
     assert scenario_at(runs, 3).station.chargers == 3
 
 

@@ -1,0 +1,225 @@
+"""Asking: a ready-made question or axes of one's own, what it will take, and the start."""
+
+import tomllib
+from collections.abc import Sequence
+
+import streamlit as st
+
+from evdash.domain.scenario import Scenario
+from evdash.domain.study import Axis, Seeds, Study, StudyRuns
+from evdash.errors import Fault, InputError
+from evdash.policies.registry import RULES
+from evdash.studies.background import spare_cores
+from evdash.studies.estimate import seconds_needed
+from evdash.studies.folder import study_text
+from evdash.studies.keys import STUDY_KEYS
+from evdash.studies.questions import QUESTIONS, sure
+from evdash.studies.reading import lay_out, parse_study
+from evdash.studies.shelf import Shelf
+from evdash.ui.session import Session
+from evdash.ui.settings import NETWORK_NAMES
+from evdash.ui.studies.mine import base_of
+from evdash.ui.studies.words import duration
+from evdash.ui.words import counted, plain
+
+OWN = "own"
+OFTEN = (
+    "station.chargers",
+    "station.node",
+    "station.max_kw",
+    "arrivals.vehicles_per_day",
+    "feeder.load_scale",
+    "feeder.source_voltage_pu",
+    "price.spread",
+    "price.factor",
+    "tariff.factor",
+    "voltage.band_pu",
+)
+CHOSEN = "study_chosen"
+LONG_SECONDS = 3600.0
+FILE_HELP = (
+    "A study is one small file: what is varied, over how many days, what is told of them. Edited "
+    "here, it is what will be run; saved, it runs on the command line: "
+    "`python -m evdash study FILE.toml --out DIR`."
+)
+
+
+def ask(session: Session, shelf: Shelf) -> None:
+    """The question, its settings, what it will take, and the button that starts it."""
+    scenario = base_of(session)
+    titles = {name: question.title for name, question in QUESTIONS.items()}
+    titles[OWN] = "My own axes"
+    name = st.selectbox(
+        "Question",
+        list(titles),
+        format_func=titles.__getitem__,
+        key="question",
+        persist_state="session",
+    )
+    told = "Vary what you like." if name == OWN else QUESTIONS[name].told
+    st.caption(f"{told} The day is the present run's: **{plain(scenario.name)}**.")
+    try:
+        study = _edited(_settings(name, scenario))
+        runs = lay_out(study, scenario)
+    except InputError as error:
+        _faults(error.faults)
+        runs = None
+    _start(shelf, runs)
+
+
+def _settings(name: str, scenario: Scenario) -> Study:
+    """The question's study with what a person changed about it; raises InputError."""
+    study = _own(scenario) if name == OWN else QUESTIONS[name].study(scenario)
+    axes = [_values(name, n, axis) for n, axis in enumerate(study.axis)]
+    left, right = st.columns(2)
+    changes: dict[str, object] = {"axis": tuple(axes)}
+    if study.seeds is not None:
+        days = left.number_input(
+            "Days at every point",
+            1,
+            1000,
+            study.seeds.count,
+            key=f"study_days_{name}",
+            help="Each is a draw of its own of who arrives, the same ones at every point.",
+        )
+        changes["seeds"] = Seeds(count=int(days))
+    networks = right.multiselect(
+        "Network models",
+        list(NETWORK_NAMES),
+        list(study.networks),
+        format_func=NETWORK_NAMES.__getitem__,
+        key=f"study_networks_{name}",
+    )
+    policies = st.multiselect(
+        "Who decides",
+        list(RULES),
+        list(study.policies),
+        format_func=lambda rule: RULES[rule].title,
+        key=f"study_policies_{name}",
+    )
+    empty = [
+        Fault(place, "nothing", "should have at least one")
+        for place, chosen in (("Network models", networks), ("Who decides", policies))
+        if not chosen
+    ]
+    if empty:
+        raise InputError(empty)
+    return study.model_copy(
+        update=changes | {"networks": tuple(networks), "policies": tuple(policies)}
+    )
+
+
+def _values(name: str, number: int, axis: Axis) -> Axis:
+    """An axis with its values as they stand in a text field; cases and all nodes stay."""
+    if axis.case or isinstance(axis.values, str):
+        return axis
+    text = st.text_input(
+        f"{axis.title}: values, separated by commas",
+        ", ".join(f"{value}" for value in axis.values),
+        key=f"study_values_{name}_{number}_{axis.key}",
+    )
+    return axis.model_copy(update={"values": read_values(text)})
+
+
+def read_values(text: str) -> tuple[object, ...]:
+    """Values as typed: each a number where it reads as one, or else text."""
+    values: list[object] = []
+    for part in (part.strip() for part in text.split(",")):
+        if part:
+            try:
+                read = tomllib.loads(f"value = {part}")
+            except ValueError:
+                read = {}
+            values.append(read["value"] if list(read) == ["value"] else part)
+    return tuple(values)
+
+
+def _own(scenario: Scenario) -> Study:
+    """Up to two axes put together by hand."""
+    keys = [*OFTEN, *(f"line.{line.name}.rating_kva" for line in scenario.lines)]
+    axes = []
+    for n, first in enumerate((OFTEN[0], "")):
+        key = st.selectbox(
+            "Vary" if n == 0 else "And",
+            keys if n == 0 else ["", *keys],
+            index=keys.index(first) if first else 0,
+            format_func=lambda key: key or "nothing else",
+            key=f"own_key_{n}",
+            accept_new_options=True,
+            help="A key of the scenario, as on the Scenario page's file, or one of "
+            + ", ".join(known.form for known in STUDY_KEYS.values())
+            + ". Any other key can be typed.",
+        )
+        if key:
+            value = "all" if key == "station.node" else (_present(scenario, key),)
+            axes.append(Axis(key=key, values=value))
+    return sure(scenario).model_copy(
+        update={"name": "My own study", "axis": tuple(axes), "seeds": _few(scenario)}
+    )
+
+
+def _few(scenario: Scenario) -> Seeds | None:
+    return Seeds(count=10) if sure(scenario).seeds is not None else None
+
+
+def _present(scenario: Scenario, key: str) -> object:
+    """What a key is now, or 1 where it has no value of its own."""
+    table, _, field = key.partition(".")
+    if table == "line":
+        name = field.removesuffix(".rating_kva")
+        rating = next((line.rating_kva for line in scenario.lines if line.name == name), None)
+        return rating or 500
+    value = getattr(getattr(scenario, table, None), field, None)
+    return 0.03 if key == "voltage.band_pu" else 1 if value is None else value
+
+
+def _edited(study: Study) -> Study:
+    """The study as its file says, which may be edited; raises InputError."""
+    text = study_text(study)
+    with st.expander("The study as a file", key="study_file", type="compact"):
+        edited = st.text_area(
+            "Study file",
+            text,
+            height=260,
+            key=f"study_text_{hash(text)}",
+            help=FILE_HELP,
+            label_visibility="collapsed",
+        )
+    return study if edited == text else parse_study(edited)
+
+
+def _faults(faults: Sequence[Fault]) -> None:
+    lines = [f"- {plain(str(fault))}" for fault in faults[:12]]
+    more = f"\n- and {len(faults) - 12} more" if len(faults) > 12 else ""
+    st.error("This cannot be run yet.\n\n" + "\n".join(lines) + more, icon=":material/error:")
+
+
+def _start(shelf: Shelf, runs: StudyRuns | None) -> None:
+    """What it will take, and the start; one study at a time for everybody."""
+    live = shelf.live()
+    if runs is not None:
+        seconds = seconds_needed(runs, spare_cores())
+        days = len({run.key for run in runs.runs})
+        long = " That is long; fewer days or values may answer it, too." * (seconds > LONG_SECONDS)
+        st.markdown(
+            f"**{counted(days, 'run')}, about {duration(seconds)}** on this computer.{long}"
+        )
+    st.button(
+        "Start",
+        on_click=_begin,
+        args=(shelf, runs),
+        key="start_study",
+        type="primary",
+        icon=":material/play_arrow:",
+        disabled=runs is None or live is not None,
+        help="It runs beside this page: go on elsewhere, close the tab, come back by this page's "
+        "address. Others who use this server come first.",
+    )
+    if live is not None:
+        st.caption("One study at a time: the next can start once yours has ended or is cancelled.")
+
+
+def _begin(shelf: Shelf, runs: StudyRuns) -> None:
+    if shelf.live() is None:
+        folder = shelf.start(runs)
+        st.session_state[CHOSEN] = folder.path.name

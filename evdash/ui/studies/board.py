@@ -1,0 +1,34 @@
+"""The right half of the page: the chosen study, how far it is, and what it found."""
+
+import streamlit as st
+
+from evdash.errors import EvdashError
+from evdash.studies.shelf import Shelf
+from evdash.ui.studies.handing import handing
+from evdash.ui.studies.pictures import heading, pictures
+from evdash.ui.studies.standing import chosen, standing
+from evdash.ui.words import plain
+
+INTRODUCTION = (
+    "**Ask what one day cannot tell.** Pick a question on the left and press **Start**: many days "
+    "are run beside this page, and what they show is drawn here as it comes. You can go on with "
+    "the other pages meanwhile, close the tab, and come back by this page's address."
+)
+
+
+def show(shelf: Shelf) -> None:
+    """The study looked at, or what this page is for."""
+    folder = chosen(shelf)
+    if folder is None:
+        st.info(INTRODUCTION, icon=":material/query_stats:")
+        return
+    try:
+        heading(shelf.study(folder).study)
+        stand = standing(shelf, folder)
+        found = shelf.found(folder, stand)
+    except EvdashError as error:
+        st.error(f"This study cannot be read. {plain(str(error))}", icon=":material/error:")
+        return
+    if found.results:
+        pictures(found)
+        handing(folder, found)

@@ -1,0 +1,44 @@
+"""Whose studies a tab shows: those begun from it, or named by its address."""
+
+import re
+
+import streamlit as st
+
+from evdash.domain.scenario import Scenario
+from evdash.store.place import store_directory
+from evdash.store.runs import new_link
+from evdash.studies.shelf import Shelf
+from evdash.ui.scenario.editor import present_scenario
+from evdash.ui.session import Session
+
+OWNER = "studies"
+"""What the address calls somebody's studies."""
+KEY = "evdash:studies"
+LINK = re.compile(r"[\w-]{16,40}")
+
+
+def keep_address() -> None:
+    """Have the address lead back to this tab's studies, once there are any."""
+    said = st.query_params.get(OWNER, "")
+    if KEY not in st.session_state and LINK.fullmatch(said):
+        st.session_state[KEY] = _shelf(said)
+    shelf: Shelf | None = st.session_state.get(KEY)
+    if shelf is not None and shelf.owner != said and shelf.folders():
+        st.query_params[OWNER] = shelf.owner
+
+
+def current_shelf() -> Shelf:
+    """This tab's studies."""
+    if KEY not in st.session_state:
+        st.session_state[KEY] = _shelf(new_link())
+    shelf: Shelf = st.session_state[KEY]
+    return shelf
+
+
+def base_of(session: Session) -> Scenario:
+    """What a study varies: another day of the present run, with its settings as they are."""
+    return present_scenario(session)
+
+
+def _shelf(owner: str) -> Shelf:
+    return Shelf(store_directory() / "studies", owner)
