@@ -22,6 +22,9 @@ from evdash.reports.account import Account, account, flows_needed, transformer_o
 from evdash.reports.again import decided_again, earlier_run, is_run_folder
 from evdash.reports.bundle import check_files, write_files
 from evdash.reports.html import report_html
+from evdash.reports.network import interval_at, network_json
+from evdash.reports.ocpp import DEFAULT_ZONE, check_zone, profiles_zip
+from evdash.reports.workbook import workbook_bytes
 
 BROKEN = 3
 LEAST_C, MOST_C = -50.0, 70.0
@@ -29,9 +32,17 @@ OF_SCENARIOS = ("policy", "network", "seed", "settings")
 Make = Callable[[Account, argparse.Namespace], bytes]
 OUTPUTS: Mapping[str, Make] = {
     "report": lambda told, _: report_html(told).encode(),
+    "excel": lambda told, _: workbook_bytes(told),
+    "ocpp": lambda told, options: profiles_zip(told.trace, options.time_zone),
+    "pandapower": lambda told, options: _network(told, options.at),
     "run_zip": lambda told, _: zipped(dict(told.files), "run"),
 }
 """What can be handed on, by the option that names its file."""
+
+
+def _network(told: Account, clock: str) -> bytes:
+    interval = interval_at(told.scenario, clock) if clock else None
+    return network_json(told.trace, interval).encode()
 
 
 def export(options: argparse.Namespace) -> int:
@@ -48,7 +59,10 @@ def export(options: argparse.Namespace) -> int:
     if not LEAST_C <= options.ambient <= MOST_C:
         allowed = f"should be from {LEAST_C:g} to {MOST_C:g} °C"
         raise InputError([Fault("--ambient", f"{options.ambient:g} °C", allowed)])
+    check_zone(options.time_zone)
     trace, label = _day(options)
+    if options.at:
+        interval_at(trace.scenario, options.at)  # tells what is wrong before the AC power flows
     told = _account(trace, label, options)
     contents = {
         getattr(options, name): make(told, options)
@@ -122,6 +136,24 @@ def add_export(commands: "argparse._SubParsersAction[argparse.ArgumentParser]", 
         help="the report: one HTML file that needs nothing else, made to be printed, too",
     )
     files.add_argument(
+        "--excel",
+        type=Path,
+        metavar="FILE.xlsx",
+        help="a workbook with a sheet for every table, units and notes in its heads",
+    )
+    files.add_argument(
+        "--ocpp",
+        type=Path,
+        metavar="FILE.zip",
+        help="the executed schedule as OCPP 1.6 and 2.0.1 charging profiles, one a vehicle",
+    )
+    files.add_argument(
+        "--pandapower",
+        type=Path,
+        metavar="FILE.json",
+        help="the feeder with the executed loads as a pandapower network, all intervals within",
+    )
+    files.add_argument(
         "--run-zip",
         type=Path,
         metavar="FILE.zip",
@@ -153,6 +185,19 @@ def _add_conditions(command: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also tell what one more charger, a higher rating and a wider voltage band would "
         "have been worth: the day is run once more for each",
+    )
+    command.add_argument(
+        "--at",
+        default="",
+        metavar="HH:MM",
+        help="the time the pandapower network is loaded as (default: when the station draws most)",
+    )
+    command.add_argument(
+        "--time-zone",
+        default=DEFAULT_ZONE,
+        metavar="ZONE",
+        help="the time zone of the scenario's local times in OCPP profiles, such as "
+        "Europe/Berlin (default: %(default)s)",
     )
     scenario = command.add_argument_group("how a scenario is run (not for an earlier run)")
     scenario.add_argument("--policy", choices=list(RULES), help="who decides (default: p1)")

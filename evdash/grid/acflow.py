@@ -96,15 +96,26 @@ class AcNetwork:
 
 def build_network(scenario: Scenario, feeder: RadialFeeder) -> Any:
     """The feeder as a pandapower network: bus 0 the source, one constant-power load a node."""
+    import pandapower
+
+    net = build_feeder(scenario)
+    buses = dict(zip(net.bus["name"], net.bus.index, strict=True))
+    for name in feeder.nodes:
+        pandapower.create_load(net, buses[name], p_mw=0.0, q_mvar=0.0, name=name)
+    return net
+
+
+def build_feeder(scenario: Scenario) -> Any:
+    """Buses, the source's first, and lines, in their order, with nothing on them yet."""
     import pandapower  # imported here: it takes seconds, and the first page must not wait
 
+    source = scenario.feeder.source_node
+    names = [source, *(node.node for node in scenario.nodes if node.node != source)]
     net = pandapower.create_empty_network(sn_mva=scenario.feeder.base_mva)
     buses = {
-        name: pandapower.create_bus(net, vn_kv=scenario.feeder.base_kv, name=name)
-        for name in (scenario.feeder.source_node, *feeder.nodes)
+        name: pandapower.create_bus(net, vn_kv=scenario.feeder.base_kv, name=name) for name in names
     }
-    source = buses[scenario.feeder.source_node]
-    pandapower.create_ext_grid(net, source, vm_pu=scenario.feeder.source_voltage_pu)
+    pandapower.create_ext_grid(net, buses[source], vm_pu=scenario.feeder.source_voltage_pu)
     for line in scenario.lines:
         pandapower.create_line_from_parameters(
             net,
@@ -117,8 +128,6 @@ def build_network(scenario: Scenario, feeder: RadialFeeder) -> Any:
             max_i_ka=1.0,
             name=line.name,
         )
-    for name in feeder.nodes:
-        pandapower.create_load(net, buses[name], p_mw=0.0, q_mvar=0.0, name=name)
     return net
 
 

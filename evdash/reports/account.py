@@ -1,5 +1,6 @@
 """A finished day with all that is told of it, worked out once for everything handed on."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ from evdash.domain.outlook import Outlook
 from evdash.domain.scenario import Line, Scenario
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
-from evdash.files.run_export import RunLabel, Verdict, judge, run_files
+from evdash.files.run_export import RunLabel, Verdict, judge, run_files, versions
 from evdash.files.run_folder import SUMMARY
 from evdash.grid.acflow import AcResult
 from evdash.grid.radial import radial_feeder
@@ -55,9 +56,14 @@ class Account:
         return self.trace.scenario
 
     @property
-    def summary(self) -> str:
-        """`summary.json` as text."""
-        return self.files[SUMMARY]
+    def scenario_sha256(self) -> str:
+        """What the resolved scenario's files are told from others by."""
+        return str(json.loads(self.files[SUMMARY])["scenario_sha256"])
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """Versions of evdash and what its numbers come from."""
+        return versions()
 
 
 def flows_needed(trace: Trace) -> int:

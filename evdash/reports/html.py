@@ -2,7 +2,6 @@
 
 import base64
 import hashlib
-import json
 from functools import cache
 from pathlib import Path
 
@@ -27,7 +26,6 @@ def report_html(account: Account) -> str:
     scripts = [plotly_script(), (HERE / "report.js").read_text(encoding="utf-8")]
     return page.render(
         account=account,
-        summary=json.loads(account.summary),
         scenario=account.scenario,
         period=period(account.scenario),
         promises=promises_line(account),

@@ -35,6 +35,7 @@ def sections(account: Account) -> list[Section]:
     """The report in its order: what went in, what was decided, what it did to the feeder."""
     return [
         _inputs(account),
+        _figures(account),
         _decisions(account),
         _schedule(account),
         _feeder(account),
@@ -56,6 +57,11 @@ def _inputs(account: Account) -> Section:
     }
     told = {subject: lines for subject, lines in subjects.items() if lines}
     return Section("inputs", "What went in", subjects=told)
+
+
+def _figures(account: Account) -> Section:
+    table = Table("Figures", tables.figure_rows(account))
+    return Section("figures", "The day in figures", tables=[table])
 
 
 def _decisions(account: Account) -> Section:

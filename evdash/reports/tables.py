@@ -8,12 +8,15 @@ from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
 from evdash.explain.words import Clock, element_name
 from evdash.grid.radial import radial_feeder
+from evdash.metrics.ac_day import AcDay
 from evdash.metrics.ageing import Ageing
+from evdash.metrics.declared import figures_of
 from evdash.metrics.durations import Beyond, above, below
 from evdash.metrics.feeder import violations
 from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.outlook import spans_in_force
 from evdash.metrics.records import VehicleRecord, vehicle_records
+from evdash.metrics.service import Service, service
 from evdash.reports.account import Account
 from evdash.reports.words import CAUSES, depth_words, violation_words
 
@@ -29,6 +32,27 @@ LEDGER_WORDS = {
     "short": "short",
     "released": "cut short by its driver",
 }
+
+
+def service_of(account: Account) -> Service:
+    """How well the day served, in the figures runs are compared by."""
+    verdict = account.verdict
+    return service(account.trace, AcDay(verdict.flow, verdict.ac))
+
+
+def figure_rows(account: Account) -> list[Row]:
+    """Those figures that there are, each with its unit and meaning."""
+    found = service_of(account)
+    return [
+        {
+            "Figure": figure.label,
+            "Value": figure.told(getattr(found, figure.name)),
+            "Unit": figure.unit,
+            "Meaning": figure.meaning,
+        }
+        for figure in figures_of(Service)
+        if getattr(found, figure.name) is not None
+    ]
 
 
 def option_rows(account: Account) -> list[Row]:

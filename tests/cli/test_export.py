@@ -1,10 +1,13 @@
 """`export`: what it writes, from a run or a scenario, and what it refuses."""
 
+import csv
 import io
 import json
 import zipfile
 from pathlib import Path
 
+import openpyxl
+import pandapower
 import pytest
 
 from evdash.cli.main import main
@@ -32,6 +35,29 @@ def test_a_run_is_handed_on_as_a_report_and_its_own_files(bundled_run, command, 
     for name in ("power.csv", "vehicles.csv", "scenario/arrivals.csv"):
         mine = (tmp_path / "out" / "run" / name).read_bytes()
         assert mine == (bundled_run / name).read_bytes()
+
+
+def test_workbook_profiles_and_network_go_out_beside_each_other(small_run, command, tmp_path):
+    book, profiles, network = tmp_path / "b.xlsx", tmp_path / "o.zip", tmp_path / "n.json"
+    files = ["--excel", book, "--ocpp", profiles, "--pandapower", network, "--at", "01:30"]
+    assert command("export", small_run, *files)[0] == 0
+    assert openpyxl.load_workbook(book)["Vehicles"].max_row == 13
+    served = {row["vehicle"] for row in table(small_run / "power.csv")}
+    with zipfile.ZipFile(profiles) as archive:
+        index = json.loads(archive.read("profiles/index.json"))
+    assert {row["vehicle"] for row in index} == served
+    net = pandapower.from_json(str(network))
+    pandapower.runpp(net, numba=False)
+    found = dict(zip(net.bus.name, net.res_bus.vm_pu, strict=True))
+    told = [row for row in table(small_run / "voltages.csv") if row["interval"] == "1"]
+    assert len(told) == 2
+    for row in told:
+        assert found[row["node"]] == pytest.approx(float(row["voltage_ac_pu"]), abs=1e-7)
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
 
 
 def test_a_scenario_is_run_first_as_told(small_scenario, command, tmp_path):
@@ -75,6 +101,9 @@ def test_worths_ambient_and_transformer_reach_the_report(small_scenario, command
         (["--report", "r.html", "--run-zip", "r.html"], "different files"),
         (["--report", "r.html", "--transformer", "a-b"], "with a rating"),
         (["--report", "r.html", "--ambient", "nan"], "from -50 to 70"),
+        (["--ocpp", "o.zip", "--time-zone", "Mars/Olympus"], "the time zone"),
+        (["--pandapower", "n.json", "--at", "25:00"], "should be HH:MM"),
+        (["--pandapower", "n.json", "--at", "2024-05-07T00:00"], "to before 2024-05-06T04:00"),
         (["--report", "r.html", "--seed", "0", "--policy", "edf"], "--policy, --seed"),
     ],
 )
@@ -112,7 +141,18 @@ def test_a_run_that_does_not_come_out_again_is_not_handed_on(run_copy, command, 
 def test_help_names_every_option(command):
     status, out, _ = command("export", "--help")
     assert status == 0
-    for option in ("--report", "--run-zip", "--transformer", "--ambient", "--worths", "--force"):
+    for option in (
+        "--report",
+        "--excel",
+        "--ocpp",
+        "--pandapower",
+        "--at",
+        "--run-zip",
+        "--transformer",
+        "--ambient",
+        "--worths",
+        "--force",
+    ):
         assert option in out
     assert "exit status" in out
 

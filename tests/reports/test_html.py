@@ -62,7 +62,7 @@ def page(usual) -> Reader:
 
 
 def test_it_tells_the_totals_and_where_it_comes_from(page, usual):
-    day, summary = usual.totals, json.loads(usual.summary)
+    day, summary = usual.totals, json.loads(usual.files["summary.json"])
     for told in (
         f"{day.admitted} of {day.arrived}",
         f"${day.profit:,.2f}",
