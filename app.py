@@ -2,7 +2,8 @@
 
 import streamlit as st
 
-from evdash.ui import page
+from evdash.ui import page, widths
+from evdash.ui.session import current
 
 page.begin()
 LEARN = [
@@ -20,3 +21,4 @@ shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
 page.go_on("pages/live.py")
 shown.run()
 page.keep_address()
+widths.listen(current())

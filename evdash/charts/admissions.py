@@ -1,14 +1,14 @@
 """Who asked, who was admitted, who was refused: the paper's Fig. 2."""
 
 from evdash.charts.style import (
-    FONT_PX,
     GREEN,
+    MARGIN,
     OUTLINE,
     VERMILLION,
     Figure,
     clock,
     empty_note,
-    figure,
+    fixed_figure,
     now_label,
     now_shapes,
     spans,
@@ -62,11 +62,11 @@ def admissions_figure(trace: Trace, outlook: Outlook) -> Figure:
         },
     ]
     per = "hour" if minutes == 60 else f"{minutes} min"
-    return figure(
+    return fixed_figure(
         traces,
         HEIGHT_PX,
+        MARGIN,
         barmode="stack",
-        font={"size": FONT_PX},
         xaxis=time_axis(outlook),
         yaxis=value_axis(
             f"Vehicles per {per}",

@@ -11,6 +11,7 @@ from evdash.charts.feeder_moment import Moment, nodes_outside
 from evdash.charts.style import (
     BLUE,
     CLEAR,
+    COLORBAR,
     FONT_PX,
     ORANGE,
     OUTLINE,
@@ -92,7 +93,7 @@ def _frame(layout: Layout) -> dict[str, Any]:
 
 def _colours(moment: Moment, values: Sequence[float]) -> dict[str, Any]:
     low, high = moment.outlook.voltage_min_pu, moment.outlook.voltage_max_pu
-    bar: dict[str, Any] = {"title": {"text": "pu"}, "thickness": 14, "len": 0.85}
+    bar: dict[str, Any] = {"title": {"text": "pu"}, **COLORBAR, "len": 0.85}
     if moment.way == "difference":
         return {
             "colorscale": "Cividis",

@@ -19,7 +19,7 @@ from evdash.charts.style import (
     clock,
     colour_of,
     empty_note,
-    figure,
+    fixed_figure,
     now_label,
     now_shapes,
     safe,
@@ -65,11 +65,11 @@ def gantt(
         traces.append(_bars(outlook, rows, option, colour, executed=True))
         traces.append(_bars(outlook, rows, option, colour, executed=False))
     traces.append(_percents(outlook, rows, 12 if lines * ROOMY_PX <= height_px else 11))
-    return figure(
+    return fixed_figure(
         traces,
         height_px,
+        {"l": 70, "r": 8, "t": 52, "b": 46},
         barmode="overlay",
-        margin={"l": 70, "r": 8, "t": 52, "b": 46},
         legend={**LEGEND, "font": {"size": FONT_PX - 1}},
         xaxis=time_axis(outlook, room=0.085),
         yaxis=row_axis(rows, lines, height_px),
@@ -92,7 +92,6 @@ def row_axis(rows: list[Row], lines: int, height_px: int) -> dict[str, Any]:
         ticktext=[safe(_short(rows[n].request.vehicle)) for n in places],
         tickfont={"size": FONT_PX - 2},
         showgrid=False,
-        automargin=False,
     )
 
 

@@ -6,12 +6,13 @@ import numpy as np
 
 from evdash.charts.style import (
     BLUE,
+    MARGIN,
     ORANGE,
     PURPLE,
     VERMILLION,
     Figure,
     clock,
-    figure,
+    fixed_figure,
     now_label,
     now_shapes,
     spans,
@@ -55,6 +56,7 @@ def normalised_figure(outlook: Outlook) -> Figure:
         outlook,
         traces,
         HEIGHT_PX,
+        MARGIN,
         yaxis=value_axis("Share, %", range=[max(lowest, -110) * 1.05, 108]),
     )
 
@@ -85,7 +87,7 @@ def units_figure(outlook: Outlook) -> Figure:
         outlook,
         traces,
         IN_UNITS_HEIGHT_PX,
-        margin={"l": 72, "r": 76, "t": 56, "b": 48},
+        {**MARGIN, "r": 76},
         xaxis=time_axis(outlook) | {"anchor": "y2"},
         yaxis=value_axis(
             "Station, kW", domain=[0.55, 1], range=[0, 1.1 * _station_top_kw(outlook)]
@@ -154,10 +156,13 @@ def _station(outlook: Outlook, factor: float, shown: str) -> list[dict[str, Any]
     ]
 
 
-def _over_time(outlook: Outlook, traces: list[Any], height: int, **layout: Any) -> Figure:
-    return figure(
+def _over_time(
+    outlook: Outlook, traces: list[Any], height: int, margin: dict[str, int], **layout: Any
+) -> Figure:
+    return fixed_figure(
         traces,
         height,
+        margin,
         **{"xaxis": time_axis(outlook), **layout},
         hovermode="x unified",
         shapes=now_shapes(outlook),

@@ -7,6 +7,7 @@ import numpy as np
 
 from evdash.charts.power_map import POWER_SCALE
 from evdash.charts.style import (
+    COLORBAR,
     FONT_PX,
     VERMILLION,
     Figure,
@@ -52,7 +53,7 @@ def history_figure(history: PlanHistory, day: VehicleDay, outlook: Outlook) -> F
         "xgap": 1,
         "ygap": 1,
         "showscale": not numbered,
-        "colorbar": {"title": {"text": "kW"}, "thickness": 12},
+        "colorbar": {"title": {"text": "kW"}, **COLORBAR},
         "text": [[f"{kw:.1f}" if numbered and kw else "" for kw in plan] for plan in kept],
         "texttemplate": "%{text}",
         "hoverongaps": False,

@@ -5,10 +5,11 @@ from typing import Any
 from evdash.charts.gantt import frame_of, row_axis
 from evdash.charts.rows import Row
 from evdash.charts.style import (
+    COLORBAR,
     VERMILLION,
     WINDOW,
     Figure,
-    figure,
+    fixed_figure,
     now_label,
     now_shapes,
     safe,
@@ -34,10 +35,10 @@ REFUSED = "rgba(213,94,0,0.35)"
 def power_map(outlook: Outlook, rows: list[Row], *, height_px: int, picked: str = "") -> Figure:
     """A line a vehicle, a column an interval; pale where a vehicle waits inside its window."""
     refused = [(y, row) for y, row in enumerate(rows) if row.is_refused]
-    return figure(
+    return fixed_figure(
         [_power(outlook, rows), *([_refused(outlook, refused)] if refused else [])],
         height_px,
-        margin={"l": 70, "r": 8, "t": 58, "b": 48},
+        {"l": 70, "r": 66, "t": 58, "b": 48},
         xaxis=time_axis(outlook),
         yaxis=row_axis(rows, len(rows), height_px),
         shapes=[*now_shapes(outlook), *frame_of(rows, picked)],
@@ -71,7 +72,7 @@ def _power(outlook: Outlook, rows: list[Row]) -> dict[str, Any]:
         "zmin": 0,
         "zmax": max(row.request.max_kw for row in rows),
         "colorscale": POWER_SCALE,
-        "colorbar": {"title": {"text": "kW"}, "thickness": 14},
+        "colorbar": {"title": {"text": "kW"}, **COLORBAR},
         "hoverongaps": False,
         "hovertext": told,
         "hovertemplate": "%{hovertext}<extra></extra>",

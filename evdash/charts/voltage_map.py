@@ -7,12 +7,14 @@ from typing import Any, Literal
 import numpy as np
 
 from evdash.charts.style import (
+    COLORBAR,
     FONT_PX,
+    MARGIN,
     ORANGE,
     VERMILLION,
     Figure,
     Trace,
-    figure,
+    fixed_figure,
     now_label,
     now_shapes,
     safe,
@@ -27,6 +29,8 @@ from evdash.domain.outlook import Outlook
 MAP_DOMAIN = [0.0, 0.55]
 MAP_PX = 250
 LABEL_PX = 15
+LETTER_PX, LONGEST_NAME = 8, 12
+"""A letter of a node's name is at most so wide, and so many are shown."""
 VOLTAGE_TOLERANCE_PU = 1e-6
 LEAST_DROP_PU = 1e-4
 """The drop shown at full scale at the least, so that next to nothing looks like it."""
@@ -55,9 +59,10 @@ def map_figure(outlook: Outlook, ac: AcVoltages, order: Sequence[str], way: MapW
         traces = [node_map(seen), *_contours(seen), *outside_marks(seen, ac_seen)]
     colorbar = traces[0]["colorbar"] | {"len": 1.0, "y": 0.5}
     traces[0] = traces[0] | {"colorbar": colorbar}
-    return figure(
+    return fixed_figure(
         [trace | {"yaxis": "y"} for trace in traces],
         height,
+        margin_of(outlook),
         hovermode="closest",
         xaxis=time_axis(outlook),
         yaxis=node_axis(seen, height - MAP_FRAME_PX) | {"domain": [0.0, 1.0]},
@@ -133,7 +138,7 @@ def node_map(outlook: Outlook) -> Trace:
         "colorscale": "Cividis",
         "colorbar": {
             "title": {"text": "pu"},
-            "thickness": 14,
+            **COLORBAR,
             "len": MAP_DOMAIN[1],
             "y": MAP_DOMAIN[1] / 2,
             "tickformat": ".2f",
@@ -211,6 +216,12 @@ def _crosses(outlook: Outlook, name: str, cells: list[tuple[int, int]], symbol: 
     }
 
 
+def margin_of(outlook: Outlook) -> dict[str, int]:
+    """Room for the names of nodes on the left and the scale of colours on the right."""
+    longest = max(len(node[:LONGEST_NAME]) for node in outlook.nodes)
+    return {**MARGIN, "l": max(MARGIN["l"], 34 + LETTER_PX * longest), "r": 84}
+
+
 def node_axis(outlook: Outlook, map_px: int = MAP_PX) -> dict[str, Any]:
     """A line a node, as many labelled as there is room for."""
     every = -(-LABEL_PX * len(outlook.nodes) // map_px)
@@ -220,7 +231,7 @@ def node_axis(outlook: Outlook, map_px: int = MAP_PX) -> dict[str, Any]:
         domain=MAP_DOMAIN,
         range=[len(outlook.nodes) - 0.5, -0.5],
         tickvals=list(places),
-        ticktext=[safe(outlook.nodes[i][:12]) for i in places],
+        ticktext=[safe(outlook.nodes[i][:LONGEST_NAME]) for i in places],
         tickfont={"size": FONT_PX - 2},
         showgrid=False,
     )

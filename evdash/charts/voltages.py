@@ -14,7 +14,7 @@ from evdash.charts.style import (
     Figure,
     Trace,
     clock,
-    figure,
+    fixed_figure,
     now_label,
     now_shapes,
     safe,
@@ -28,6 +28,7 @@ from evdash.charts.voltage_map import (
     AcVoltages,
     deepest_drop_pu,
     drop_map,
+    margin_of,
     node_axis,
     node_map,
     outside_marks,
@@ -40,7 +41,7 @@ LINES_DOMAIN = [0.66, 1.0]
 
 def voltages_figure(outlook: Outlook, ac: AcVoltages) -> Figure:
     """Lowest and highest voltage of each interval over a map of all nodes."""
-    return figure(
+    return fixed_figure(
         [
             *_lines(outlook),
             *_ac_minimum(outlook, ac),
@@ -48,6 +49,7 @@ def voltages_figure(outlook: Outlook, ac: AcVoltages) -> Figure:
             *outside_marks(outlook, ac),
         ],
         HEIGHT_PX,
+        margin_of(outlook),
         hovermode="closest",
         xaxis=time_axis(outlook) | {"anchor": "y2"},
         yaxis=value_axis("Voltage, pu", domain=LINES_DOMAIN, range=_range(outlook, ac), nticks=5),
@@ -71,9 +73,10 @@ def drop_figure(outlook: Outlook) -> Figure:
         line={"color": BLUE, "width": 2.5, "shape": "hv"},
         hovertemplate="%{x}: %{y:.4f} pu<extra></extra>",
     )
-    return figure(
+    return fixed_figure(
         [line, drop_map(outlook)],
         HEIGHT_PX,
+        margin_of(outlook),
         hovermode="closest",
         xaxis=time_axis(outlook) | {"anchor": "y2"},
         yaxis=value_axis(

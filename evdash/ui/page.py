@@ -32,6 +32,8 @@ STYLE = """
 [data-testid="stMarkdownContainer"] :is(th, td) { padding: .22rem .45rem;
   white-space: nowrap; }
 .st-key-figures [data-testid="stMetricValue"] { font-variant-numeric: tabular-nums; }
+/* Text of charts in the grey called INK has the colour of the page's own, in either theme. */
+.stPlotlyChart svg text[style*="fill: rgb(125, 125, 126)"] { fill: currentColor !important; }
 @media print {
   [data-testid="stSidebar"], [data-testid="stHeader"], .modebar-container,
   .st-key-toolbar button, .st-key-prompts, .st-key-why, [data-testid="stExpander"],

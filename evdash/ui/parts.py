@@ -1,6 +1,7 @@
 """What panels are put together from: the horizon as shown, charts, tables."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 import streamlit as st
@@ -30,8 +31,14 @@ def chart(
     detail: object = None,
 ) -> None:
     """A chart, drawn anew only for another trace or detail."""
-    figure = session.once(f"figure:{name}", draw, detail=detail)
-    st.plotly_chart(Drawn(figure), key=f"chart_{name}", config=CONFIG, alt=alt)
+    key = f"chart_{name}"
+    figure = session.once(key, lambda: Drawn(draw(), session.width_px.get(key)), detail=detail)
+    show(figure, key, alt)
+
+
+def show(figure: Drawn, key: str, alt: str, **selection: Any) -> None:
+    """A figure in the page, in its own look: Streamlit's theme would have it drawn twice."""
+    st.plotly_chart(figure, key=key, config=CONFIG, alt=alt, theme=None, **selection)
 
 
 def table_below(

@@ -45,6 +45,7 @@ class Session:
         self.mode: Mode = "idle"
         self.prompted: Prompted | None = None
         self.shown: dict[str, object] = {}
+        self.width_px: dict[str, float] = {}
         self.price_base: tuple[float, ...] = ()
         self.price_latest: tuple[float, ...] = ()
         self.price_revision = 0

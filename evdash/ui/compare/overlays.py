@@ -4,13 +4,12 @@ import streamlit as st
 
 from evdash.charts.comparison import Compared, overlay_alt, overlay_figure, overlay_table
 from evdash.charts.drawn import Drawn
-from evdash.charts.style import CONFIG
 from evdash.files.differences import scenario_differences
 from evdash.metrics.outlook import outlook
 from evdash.ui.compare.figures import figures, short
 from evdash.ui.compare.pins import Held
 from evdash.ui.glossary import meaning
-from evdash.ui.parts import table_below
+from evdash.ui.parts import show, table_below
 from evdash.ui.settings import NETWORK_NAMES, edit_log
 from evdash.ui.words import markdown_table, plain
 
@@ -75,12 +74,7 @@ def _chart(
                 label_visibility="collapsed",
                 persist_state="session",
             )
-    st.plotly_chart(
-        Drawn(overlay_figure(runs, quantity)),
-        key=f"chart_{key}",
-        config=CONFIG,
-        alt=overlay_alt(runs, quantity),
-    )
+    show(Drawn(overlay_figure(runs, quantity)), f"chart_{key}", overlay_alt(runs, quantity))
     table_below(key, lambda: overlay_table(runs, quantity))
 
 

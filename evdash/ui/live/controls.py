@@ -118,8 +118,16 @@ def sidebar(session: Session, outlook: Outlook) -> None:
             help=NETWORK_HELP,
             width="stretch",
         )
-        with st.popover("Edit prices by the hour", icon=":material/edit:", width="stretch"):
-            price_editor(session, outlook)
+        box = st.popover(
+            "Edit prices by the hour",
+            icon=":material/edit:",
+            width="stretch",
+            key="prices_by_hour",
+            on_change="rerun",
+        )
+        if box.open:
+            with box:
+                price_editor(session, outlook)
         _in_force(session, outlook)
 
 

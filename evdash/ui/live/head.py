@@ -90,11 +90,9 @@ def key_figures(session: Session) -> None:
         ("Energy cost", money(sums.energy_cost), "energy so far", "Paid for energy drawn so far."),
         ("Profit", money(sums.profit), "revenue less cost", "Revenue less energy cost so far."),
     )
-    with st.container(key="figures"):
-        for column, (label, value, small, told) in zip(
-            st.columns(len(figures), gap="xsmall"), figures, strict=True
-        ):
-            column.metric(
+    with st.container(key="figures", horizontal=True, gap="xsmall"):
+        for label, value, small, told in figures:
+            st.metric(
                 label,
                 value.replace("\\", ""),
                 small,

@@ -9,11 +9,10 @@ import streamlit as st
 
 from evdash.charts.days import days_alt, days_figure
 from evdash.charts.drawn import Drawn
-from evdash.charts.style import CONFIG
 from evdash.domain.scenario import GeneratedArrivals, Scenario
 from evdash.studies.days import DayTaken, days_taken
 from evdash.studies.days_file import MeasuredDays, processor, read_days
-from evdash.ui.parts import table_below
+from evdash.ui.parts import show, table_below
 from evdash.ui.session import Session
 from evdash.ui.solving import study_policy
 from evdash.ui.words import counted, markdown_table, plain
@@ -88,12 +87,7 @@ def study(session: Session) -> None:
         st.markdown("**The paper says**")
         st.markdown(SAID)
     with chart:
-        st.plotly_chart(
-            Drawn(days_figure(series, published)),
-            key="chart_study",
-            config=CONFIG,
-            alt=days_alt(series),
-        )
+        show(Drawn(days_figure(series, published)), "chart_study", days_alt(series))
         st.markdown(markdown_table(_rows(ours)))
         _where(ours)
         if ours.days:

@@ -5,11 +5,10 @@ import streamlit as st
 
 from evdash.charts.drawn import Drawn
 from evdash.charts.fleet import fleet_alt, fleet_figure, fleet_table
-from evdash.charts.style import CONFIG
 from evdash.domain.outlook import Outlook
 from evdash.metrics.records import VehicleRecord, vehicle_records
 from evdash.metrics.vehicles import charging_kw
-from evdash.ui.parts import view
+from evdash.ui.parts import show, view
 from evdash.ui.session import Session
 from evdash.ui.vehicles.choice import GROUPS, ORDERS, Choice, chosen
 from evdash.ui.vehicles.picked import pick_clicked, pick_drawn
@@ -57,11 +56,10 @@ def _chart(session: Session, shown: tuple[VehicleRecord, ...], detail: tuple[Cho
         "figure:fleet", lambda: fleet_figure(trace, ahead, shown, detail[1]), detail=detail
     )
     names = [record.vehicle for record in shown]
-    st.plotly_chart(
+    show(
         Drawn(figure),
-        key=FLEET,
-        config=CONFIG,
-        alt=fleet_alt(shown, ahead),
+        FLEET,
+        fleet_alt(shown, ahead),
         on_select=lambda: pick_drawn(FLEET, names),
         selection_mode="points",
     )
