@@ -1,8 +1,11 @@
-"""A figure handed over as it is.
+"""A figure handed over as it is, in the look of the app.
 
 `st.plotly_chart` makes of a plain dictionary a plotly figure and of that a dictionary again,
 checking every value: two thirds of a step's time on the server. The figures drawn here are
 checked by tests instead, once for all (`tests/charts`).
+
+The app's look is added here, as nothing but colours and a font, and Streamlit's own theme does
+without: it comes as a template, for which plotly would draw every chart a second time.
 """
 
 import json
@@ -11,7 +14,19 @@ from typing import Any
 
 from plotly.basedatatypes import BaseFigure
 
-from evdash.charts.style import Figure
+from evdash.charts.style import BLUE, CLEAR, FONT_PX, Figure, is_axis
+
+FONT = '"Source Sans", sans-serif'
+INK = "rgb(125,125,126)"
+"""Text that takes the colour of the page's own: `evdash.ui.page` looks for just this grey."""
+GRID = {"gridcolor": "rgba(128,128,128,0.22)", "zerolinecolor": "rgba(128,128,128,0.5)"}
+LABEL = {
+    "font": {"size": FONT_PX, "family": FONT, "color": "#ffffff"},
+    "bgcolor": "#31333f",
+    "bordercolor": "#808495",
+}
+"""The same in both themes: unified labels would otherwise be as clear as the ground."""
+MODEBAR = {"bgcolor": CLEAR, "color": "rgba(128,128,128,0.8)", "activecolor": BLUE}
 
 
 class Drawn(BaseFigure):  # type: ignore[misc]
@@ -19,7 +34,7 @@ class Drawn(BaseFigure):  # type: ignore[misc]
 
     def __init__(self, figure: Figure, width_px: float | None = None) -> None:
         """Made without plotly's own figure, which would copy and check everything."""
-        layout = {"datarevision": revision(figure), **figure["layout"]}
+        layout = {"datarevision": revision(figure), **in_the_look(figure["layout"])}
         if width_px:
             layout["width"] = width_px
         object.__setattr__(self, "_figure", {**figure, "layout": layout})
@@ -27,6 +42,13 @@ class Drawn(BaseFigure):  # type: ignore[misc]
     def to_dict(self) -> dict[str, Any]:
         figure: dict[str, Any] = object.__getattribute__(self, "_figure")
         return figure
+
+
+def in_the_look(layout: dict[str, Any]) -> dict[str, Any]:
+    """A layout with the app's colours and font, readable on a light ground and on a dark one."""
+    axes = {name: {**GRID, **axis} for name, axis in layout.items() if is_axis(name)}
+    font = {"family": FONT, "color": INK, **layout["font"]}
+    return {**layout, **axes, "font": font, "hoverlabel": LABEL, "modebar": MODEBAR}
 
 
 def revision(figure: Figure) -> int:

@@ -21,7 +21,6 @@ OUTLINE, WINDOW, FUTURE = "rgba(128,128,128,0.9)", "rgba(128,128,128,0.16)", "rg
 CLEAR = "rgba(0,0,0,0)"
 
 FONT_PX = 14
-FONT = '"Source Sans", "Source Sans Pro", sans-serif'
 HOUR_MS = 3_600_000
 MAX_TICKS = 9
 TICK_HOURS = (1, 2, 3, 4, 6, 12, 24, 48, 168)
@@ -36,22 +35,8 @@ LEGEND = {
     "font": {"size": FONT_PX},
 }
 MARGIN = {"l": 66, "r": 16, "t": 58, "b": 48}
-INK = "rgb(125,125,126)"
-"""Text that takes the colour of the page's own: `evdash.ui.page` looks for just this grey."""
-AXIS = {
-    "gridcolor": "rgba(128,128,128,0.22)",
-    "zerolinecolor": "rgba(128,128,128,0.5)",
-    "ticklabeloverflow": "allow",
-    "tickangle": 0,
-}
-"""With the last two plotly measures no label to find out whether to turn or hide it."""
-HOVER = {
-    "font": {"size": FONT_PX, "family": FONT, "color": "#ffffff"},
-    "bgcolor": "#31333f",
-    "bordercolor": "#808495",
-}
-"""The same in both themes: unified labels would otherwise be as clear as the ground."""
-MODEBAR = {"bgcolor": CLEAR, "color": "rgba(128,128,128,0.8)", "activecolor": BLUE}
+AS_IT_IS = {"ticklabeloverflow": "allow", "tickangle": 0}
+"""Plotly measures no label to find out whether to turn or hide it."""
 COLORBAR = {"thickness": 14, "outlinewidth": 0}
 CONFIG = {"displaylogo": False, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
 
@@ -152,26 +137,26 @@ def figure(traces: list[Trace], height: int, **layout: Any) -> Figure:
         "data": traces,
         "layout": {
             "height": height,
-            "font": {"size": FONT_PX, "family": FONT, "color": INK},
+            "font": {"size": FONT_PX},
             "margin": MARGIN,
             "paper_bgcolor": CLEAR,
             "plot_bgcolor": CLEAR,
             "legend": LEGEND,
-            "hoverlabel": HOVER,
-            "modebar": MODEBAR,
+            "hoverlabel": {"font": {"size": FONT_PX}},
             **layout,
-            **{name: {**AXIS, **axis} for name, axis in layout.items() if _is_axis(name)},
+            **{name: {**AS_IT_IS, **axis} for name, axis in layout.items() if is_axis(name)},
         },
     }
 
 
 def fixed_figure(traces: list[Trace], height: int, margin: dict[str, int], **layout: Any) -> Figure:
     """A figure with just these margins. Where plotly finds them itself, it draws it twice."""
-    axes = {name: {**axis, "automargin": False} for name, axis in layout.items() if _is_axis(name)}
+    axes = {name: {**axis, "automargin": False} for name, axis in layout.items() if is_axis(name)}
     return figure(traces, height, **{**layout, **axes, "margin": {**margin, "autoexpand": False}})
 
 
-def _is_axis(name: str) -> bool:
+def is_axis(name: str) -> bool:
+    """Whether this key of a layout is an axis."""
     return name.startswith(("xaxis", "yaxis"))
 
 

@@ -17,11 +17,11 @@ from evdash.charts.study_bands import (
 )
 from evdash.charts.study_heat import heat_alt, heat_figure
 from evdash.charts.study_map import site_alt, site_map
-from evdash.charts.style import CONFIG, Figure
+from evdash.charts.style import Figure
 from evdash.domain.study import Band, Study
 from evdash.studies.measures import MEASURES
 from evdash.studies.tables import QUANTILES, Found, bands, reference_bands
-from evdash.ui.parts import table_below
+from evdash.ui.parts import show, table_below
 from evdash.ui.studies.words import answer, is_less_better
 from evdash.ui.words import plain
 
@@ -117,7 +117,7 @@ def _draw(
 
 
 def _chart(name: str, drawn: Figure, alt: str) -> None:
-    st.plotly_chart(Drawn(drawn), key=f"chart_{name}", config=CONFIG, alt=alt)
+    show(Drawn(drawn), f"chart_{name}", alt)
 
 
 def _site_title(found: Found) -> str:
