@@ -4,6 +4,7 @@ Knows the arrival statistics and nothing else of the future. Contracts are as sa
 what it admits it schedules by P1 itself, with each hour's capacity at its expected price.
 """
 
+import time
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -14,12 +15,24 @@ from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
 from evdash.domain.scenario import ArrivalStatistics, GeneratedArrivals, Scenario
 from evdash.domain.vehicles import Request
 from evdash.errors import Fault, InputError
-from evdash.policies.expectation import Expectation, best_admissions, sampled_days
+from evdash.policies.expectation import (
+    Expectation,
+    SampledDay,
+    best_admissions,
+    costs_of,
+    sampled_days,
+)
 from evdash.policies.futures import Futures, sample_futures
+from evdash.scheduling.clean import cleaned
+from evdash.scheduling.nearest import nearest_schedule
 from evdash.scheduling.p1 import p1_policy
-from evdash.scheduling.problem import candidates
+from evdash.scheduling.problem import candidates, problem_of
 
 SAMPLES = 8
+SECONDS = 5.0
+"""Only a safety: nodes decide."""
+CAUTION = 1.0
+"""Standard errors by which departing from P1 has to be worth more."""
 PRICE_DIGITS = 4
 """Prices of capacity are told, and charged, to a hundredth of a cent."""
 
@@ -29,7 +42,11 @@ def bid_price(scenario: Scenario, samples: int = SAMPLES) -> Policy:
 
     Raises InputError if the scenario has no arrival statistics.
     """
-    statistics = forecast_of(scenario)
+    return informed(scenario, forecast_of(scenario), samples)
+
+
+def informed(scenario: Scenario, statistics: ArrivalStatistics, samples: int = SAMPLES) -> Policy:
+    """The policy that was told these statistics, right or wrong."""
     seed = scenario.arrivals.seed or 0
     return anticipating(scenario, sample_futures(scenario, statistics, samples, seed))
 
@@ -53,25 +70,93 @@ def forecast_of(scenario: Scenario) -> ArrivalStatistics:
 
 
 def anticipating(scenario: Scenario, futures: Futures) -> Policy:
-    """The policy that admits by the mean over these futures."""
+    """The policy that decides by the mean over these futures.
+
+    It departs from P1 only where that is worth more by as much as the futures' own spread
+    leaves sure.
+    """
     p1 = p1_policy()
 
     def policy(snapshot: Snapshot) -> Plan:
-        asking = candidates(snapshot)
+        began = time.perf_counter()
+        asking, own = candidates(snapshot), p1(snapshot)
         if not asking and not snapshot.contracts:
-            return _unsolved(p1(snapshot))
+            return _timed(own, began)
         days = sampled_days(snapshot, futures.coming(snapshot), len(asking))
         expected = best_admissions(days, len(asking))
         if expected is None:
-            return _unsolved(p1(snapshot))
+            return _timed(own, began)
         price = capacity_price(scenario, snapshot, expected)
-        chosen = _chosen(snapshot, asking, expected, price)
-        plan = p1(chosen)
+        ours = _anticipated(snapshot, asking, expected, price)
+        if ours is None or not _is_better(days, snapshot, asking, ours, own):
+            return _timed(replace(own, capacity_price_per_kwh=price), began)
         losses = dict(zip((r.vehicle for r in asking), expected.slope.tolist(), strict=True))
-        kept = _refusals(scenario, snapshot, losses, price, plan.admitted)
-        return _unsolved(replace(plan, refused=kept, capacity_price_per_kwh=price))
+        kept = _refusals(scenario, snapshot, losses, price, ours.admitted)
+        return _timed(replace(ours, refused=kept, capacity_price_per_kwh=price), began)
 
     return policy
+
+
+def _anticipated(
+    snapshot: Snapshot, asking: tuple[Request, ...], expected: Expectation, price: Floats
+) -> Plan | None:
+    """The plan for those to be admitted that begins as the futures would have it in the mean.
+
+    Where not all of them can be served after all, P1 at the price of capacity says who can.
+    """
+    dearer = snapshot.price_per_kwh + price
+    chosen = tuple(r for r, yes in zip(asking, expected.admitted, strict=True) if yes > 0.5)
+    first_kw = dict(
+        zip(
+            (*(contract.vehicle for contract in snapshot.contracts), *(r.vehicle for r in asking)),
+            expected.first_kw.tolist(),
+            strict=True,
+        )
+    )
+    for attempt in (chosen, None):
+        served = _served(snapshot, chosen, dearer) if attempt is None else attempt
+        problem = problem_of(replace(snapshot, requests=served))
+        wished = np.array([first_kw[vehicle] for vehicle in problem.vehicles])
+        power_kw = nearest_schedule(problem, wished, dearer, SECONDS)
+        if power_kw is not None:
+            return Plan(
+                now=snapshot.now,
+                vehicles=problem.vehicles,
+                power_kw=cleaned(problem, np.ones(problem.n_vehicles, dtype=bool), power_kw),
+                admitted=problem.vehicles[problem.n_contracts :],
+            )
+    return None
+
+
+def _served(
+    snapshot: Snapshot, chosen: tuple[Request, ...], price_per_kwh: Floats
+) -> tuple[Request, ...]:
+    """Those of the chosen for whom there is room: they pay so much that only that counts."""
+    more = max(0.0, float(price_per_kwh.max()))
+    paying = tuple(replace(r, price_per_kwh=r.price_per_kwh + more) for r in chosen)
+    asked = replace(snapshot, price_per_kwh=price_per_kwh, requests=paying)
+    admitted = p1_policy()(asked).admitted
+    return tuple(r for r in chosen if r.vehicle in admitted)
+
+
+def _is_better(
+    days: list[SampledDay], snapshot: Snapshot, asking: tuple[Request, ...], ours: Plan, own: Plan
+) -> bool:
+    """Whether our plan is worth more than P1's own on the same futures, beyond their spread."""
+    costs = [costs_of(days, *_decision(snapshot, asking, plan)) for plan in (own, ours)]
+    gain = costs[0] - costs[1]
+    if np.isnan(gain).any():
+        return False
+    spread = float(gain.std(ddof=1)) if len(gain) > 1 and np.isfinite(gain).all() else 0.0
+    return bool(gain.mean() > CAUTION * spread / len(gain) ** 0.5)
+
+
+def _decision(snapshot: Snapshot, asking: tuple[Request, ...], plan: Plan) -> tuple[Floats, Floats]:
+    """Who of those asking is admitted, (requests,), and what all present draw now, kW."""
+    first_kw = dict(zip(plan.vehicles, plan.power_kw[:, 0].tolist(), strict=True))
+    present = (*(c.vehicle for c in snapshot.contracts), *(r.vehicle for r in asking))
+    admitted = np.array([float(r.vehicle in plan.admitted) for r in asking])
+    return admitted, np.array([first_kw.get(vehicle, 0.0) for vehicle in present])
 
 
 def capacity_price(scenario: Scenario, snapshot: Snapshot, expected: Expectation) -> Floats:
@@ -81,26 +166,6 @@ def capacity_price(scenario: Scenario, snapshot: Snapshot, expected: Expectation
     """
     full_kwh = scenario.station.max_kw * snapshot.interval_hours
     return np.round(expected.energy_price + expected.charger_price / full_kwh, PRICE_DIGITS)
-
-
-def _chosen(
-    snapshot: Snapshot, asking: tuple[Request, ...], expected: Expectation, price: Floats
-) -> Snapshot:
-    """The snapshot with capacity at its price, asked by those to be admitted alone.
-
-    They pay so much more that P1 leaves one out only where there is no room for it.
-    """
-    dearer = snapshot.price_per_kwh + price
-    more = float(np.round(max(0.0, dearer.max()), PRICE_DIGITS))
-    return replace(
-        snapshot,
-        price_per_kwh=dearer,
-        requests=tuple(
-            replace(request, price_per_kwh=request.price_per_kwh + more)
-            for request, admitted in zip(asking, expected.admitted, strict=True)
-            if admitted > 0.5
-        ),
-    )
 
 
 def _refusals(
@@ -136,7 +201,7 @@ def _kept_for(
     )
 
 
-def _unsolved(plan: Plan) -> Plan:
-    """The plan without P1's objective and bound, which are those of another problem."""
-    report = plan.report
-    return replace(plan, report=SolveReport("feasible", seconds=report.seconds, note=report.note))
+def _timed(plan: Plan, began: float) -> Plan:
+    """The plan without P1's objective and bound, as it was not P1 that was asked."""
+    seconds = time.perf_counter() - began
+    return replace(plan, report=SolveReport("feasible", seconds=seconds, note=plan.report.note))

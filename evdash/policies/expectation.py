@@ -14,11 +14,16 @@ from scipy.sparse import csr_matrix
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Snapshot
 from evdash.domain.vehicles import Request
+from evdash.scheduling.fast.rounding import violated_cuts
 from evdash.scheduling.foresight import KnownDay, known_day, known_problem
 from evdash.scheduling.highs import WHOLE, LinearProgram, LpPoint, Session
 from evdash.scheduling.problem import OPTIMALITY_USD
 
 ROUNDS = 12
+CUT_ROUNDS = 2
+LATER_USD_PER_KWH = 1e-4
+"""What a kWh costs for each slot it comes later."""
+HAIR_KW = 1e-6
 NODES = 1000
 SECONDS = 5.0
 """Only a safety: rounds and nodes decide."""
@@ -29,6 +34,7 @@ class Expectation:
     """What admitting `admitted` (requests,) costs in every future, (futures,), $.
 
     `slopes` (futures, requests): how that would change with each request's admission.
+    `first_kw` (vehicles,): what those present then draw now, in the mean over the futures.
     `energy_price` (slots,) in $/kWh and `charger_price` (slots,) in $: what capacity would be
     worth to others, in the mean.
     """
@@ -36,6 +42,7 @@ class Expectation:
     admitted: Floats
     costs: Floats
     slopes: Floats
+    first_kw: Floats
     energy_price: Floats
     charger_price: Floats
 
@@ -49,23 +56,52 @@ class Expectation:
 
 
 class SampledDay:
-    """One future as a linear program held open, so that each question starts from the last."""
+    """One future as a linear program held open, so that each question starts from the last.
+
+    Vehicle cuts tighten it, as a future served by halves looks better than any can be; and a
+    plan's energy comes as early as a trifle allows, for room later is room for the unexpected.
+    """
 
     def __init__(self, snapshot: Snapshot, coming: tuple[Request, ...], n_requests: int) -> None:
         problem, opens = known_problem(snapshot, coming)
         self.day: KnownDay = known_day(problem, opens)
-        self.session = Session(self.day.relaxation.program)
-        at = self.day.relaxation.columns
-        self.asking = at.u[problem.n_contracts : problem.n_contracts + n_requests]
+        at, program = self.day.relaxation.columns, self.day.relaxation.program
+        program.cost[: at.n_pairs] += LATER_USD_PER_KWH * at.slot * problem.interval_hours
+        self.session = Session(program)
+        self.n_present = problem.n_contracts + n_requests
+        self.asking = at.u[problem.n_contracts : self.n_present]
+        self.first = np.flatnonzero((at.slot == 0) & (at.vehicle < self.n_present))
 
     def best(self) -> LpPoint | None:
-        """The day at its best under the bounds now set; None if infeasible."""
-        return self.session.relaxed(SECONDS)
+        """The day at its best, everything open, and then cut; None if infeasible."""
+        point = self.session.relaxed(SECONDS)
+        for _ in range(CUT_ROUNDS):
+            if point is None:
+                break
+            cuts = violated_cuts(self.day.relaxation, point.values)
+            if cuts.count == 0:
+                break
+            self.session.add_rows(cuts.matrix(self.day.relaxation.columns.total), *cuts.limits())
+            point = self.session.relaxed(SECONDS)
+        return point
 
     def given(self, admitted: Floats) -> LpPoint | None:
         """The day at its best if just these requests are admitted; None if infeasible."""
         self.session.bound(self.asking, admitted, admitted)
-        return self.best()
+        return self.session.relaxed(SECONDS)
+
+    def cost_of(self, admitted: Floats, first_kw: Floats) -> float:
+        """What the day costs at best if besides those present (vehicles,) draw this now, $."""
+        wished = first_kw[self.day.relaxation.columns.vehicle[self.first]]
+        self.session.bound(self.first, np.maximum(0.0, wished - HAIR_KW), wished + HAIR_KW)
+        point = self.given(admitted)
+        top = self.day.relaxation.program.upper[self.first]
+        self.session.bound(self.first, np.zeros(len(top)), top)
+        return np.inf if point is None else point.objective
+
+    def first_kw(self, point: LpPoint) -> Floats:
+        """What those present draw now at a point, (vehicles,), kW."""
+        return np.asarray(self.day.relaxation.power_kw(point.values)[: self.n_present, 0])
 
 
 def best_admissions(
@@ -124,9 +160,15 @@ def expectation_of(days: list[SampledDay], admitted: Floats) -> Expectation | No
         admitted=admitted,
         costs=np.array([point.objective for point in points]),
         slopes=np.array([p.reduced_cost[day.asking] for day, p in zip(days, points, strict=True)]),
+        first_kw=np.mean([d.first_kw(p) for d, p in zip(days, points, strict=True)], axis=0),
         energy_price=np.mean([headroom for headroom, _ in prices], axis=0),
         charger_price=np.mean([charger for _, charger in prices], axis=0),
     )
+
+
+def costs_of(days: list[SampledDay], admitted: Floats, first_kw: Floats) -> Floats:
+    """What each future costs at best, (futures,), $, if this is decided now."""
+    return np.array([day.cost_of(admitted, first_kw) for day in days])
 
 
 class Cuts:

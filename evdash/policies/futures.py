@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import xlogy
+from scipy.stats import chi2
 
 from evdash.domain.plan import Snapshot
 from evdash.domain.scenario import ArrivalStatistics, Scenario
@@ -21,6 +23,12 @@ MOST = 2.0
 TRUST_VEHICLES = 16.0
 """The forecast's own weight against what is seen: a rate known to a quarter, 1/0.25²."""
 
+AHEAD_HOURS = 8.0
+"""Who comes later than that hardly bears on what is decided now."""
+TESTED_VEHICLES = 8.0
+DOUBT = 0.05
+TINY = 1e-12
+
 Marked = tuple[float, Request]
 """A vehicle that might come, and the thinning at which it does."""
 
@@ -33,12 +41,37 @@ class Futures:
     expected: np.ndarray
 
     def coming(self, snapshot: Snapshot) -> list[tuple[Request, ...]]:
-        """Of each sampled day those that come after the snapshot's interval."""
-        share = self.correction(snapshot) / MOST
+        """Of each sampled day those that come in the hours after the snapshot's interval.
+
+        As many as the day so far lets expect, and the fewer the less it bears the forecast out:
+        where it denies it, nobody is expected, and nothing is decided other than by P1.
+        """
+        share = self.correction(snapshot) * self.trust(snapshot) / MOST
+        soon = round(AHEAD_HOURS / snapshot.interval_hours)
+        ahead = slice(snapshot.now + 1, snapshot.now + 1 + soon)
         return [
-            tuple(r for group in day[snapshot.now + 1 :] for mark, r in group if mark < share)
+            tuple(r for group in day[ahead] for mark, r in group if mark < share)
             for day in self.days
         ]
+
+    def trust(self, snapshot: Snapshot) -> float:
+        """How far the hours of the arrivals so far bear the forecast out, from 0 to 1.
+
+        A likelihood-ratio test of Poisson counts: by how much they, put together until
+        TESTED_VEHICLES are expected, differ from the forecast's course at the day's own level.
+        Full trust while such counts are no rarer than DOUBT, less in proportion below.
+        """
+        seen = np.array([*snapshot.asked, len(snapshot.requests)], dtype=float)
+        forecast = self.expected[: snapshot.now + 1]
+        begins = _begins_of_groups(forecast[-len(seen) :], TESTED_VEHICLES)
+        if len(begins) < 2:
+            return 1.0
+        counts, means = (np.add.reduceat(x, begins) for x in (seen, forecast[-len(seen) :]))
+        means = means * counts.sum() / means.sum()
+        deviance = 2 * float(
+            (xlogy(counts, counts / np.maximum(means, TINY)) - counts + means).sum()
+        )
+        return min(1.0, float(chi2.sf(deviance, len(begins) - 1)) / DOUBT)
 
     def correction(self, snapshot: Snapshot) -> float:
         """How many times the forecast's vehicles are to be expected, after what came so far.
@@ -49,6 +82,17 @@ class Futures:
         seen = sum(snapshot.asked) + len(snapshot.requests)
         forecast = float(self.expected[: snapshot.now + 1].sum())
         return min(MOST, (TRUST_VEHICLES + seen) / (TRUST_VEHICLES + forecast))
+
+
+def _begins_of_groups(expected: np.ndarray, least: float) -> np.ndarray:
+    """Where groups of intervals begin that expect at least so many; the last takes the rest."""
+    begins, within = [0], 0.0
+    for interval, mean in enumerate(expected[:-1].tolist()):
+        within += mean
+        if within >= least and float(expected[interval + 1 :].sum()) >= least:
+            begins.append(interval + 1)
+            within = 0.0
+    return np.array(begins)
 
 
 def sample_futures(

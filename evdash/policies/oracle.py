@@ -14,7 +14,8 @@ from evdash.scheduling.fast.solver import solved
 from evdash.scheduling.foresight import known_day, known_problem
 from evdash.scheduling.problem import Problem, Solution
 
-SECONDS = 120.0
+SECONDS = 600.0
+"""Only a safety: nodes decide."""
 NOT_IN_BEST_DAY = "not part of the best day, the whole of it known in advance"
 
 

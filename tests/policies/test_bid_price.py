@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.race_days import FORECASTS
 from evdash.checker.feeder import FeederCheck
 from evdash.errors import InputError
 from evdash.files.bundled import DEFAULT
@@ -15,8 +16,8 @@ from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.totals import totals
-from evdash.policies.bid_price import anticipating, bid_price
-from evdash.policies.futures import MOST, sample_futures
+from evdash.policies.bid_price import bid_price, informed
+from evdash.policies.futures import AHEAD_HOURS, MOST, sample_futures
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import make_scenario, vehicle
 
@@ -77,9 +78,22 @@ def test_a_refusal_says_what_the_room_was_kept_for(day):
 
 def test_where_nobody_is_expected_it_does_as_the_papers_rule(bundled):
     calm = bundled.arrivals.model_copy(update={"vehicles_per_day": 1e-6})
-    policy = anticipating(bundled, sample_futures(bundled, calm, samples=2, seed=1))
-    expecting_nobody = totals(run_day(start_day(bundled), policy)).profit
-    assert expecting_nobody >= 0.99 * totals(run_day(start_day(bundled), p1_policy())).profit
+    day = run_day(start_day(bundled), informed(bundled, calm, samples=2))
+    as_p1 = run_day(start_day(bundled), p1_policy())
+    assert totals(day).profit >= 0.99 * totals(as_p1).profit
+
+
+def test_it_departs_from_p1_only_where_the_futures_agree(bundled, day, monkeypatch):
+    """Asked to be infinitely sure, it is P1 at every step."""
+    assert any(step.plan.admitted != p1_policy()(_snapshot(step)).admitted for step in day.steps)
+    monkeypatch.setattr("evdash.policies.bid_price.CAUTION", np.inf)
+    cautious = run_day(start_day(bundled), bid_price(bundled, samples=2))
+    for step in cautious.steps:
+        assert step.plan.admitted == p1_policy()(_snapshot(step)).admitted
+
+
+def _snapshot(step):
+    return snapshot_of(step.inputs, step.before)
 
 
 def test_a_day_from_file_needs_a_forecast():
@@ -88,22 +102,72 @@ def test_a_day_from_file_needs_a_forecast():
         bid_price(scenario)
 
 
-def test_what_the_day_has_shown_corrects_what_is_expected(bundled):
+def snapshot_after(bundled, futures, asked):
+    """In the interval in which the last of these counts ask; who they are does not matter."""
+    trace, (*before, here) = start_day(bundled), asked
+    return replace(
+        snapshot_of(trace.inputs, trace.state),
+        now=len(before),
+        asked=tuple(int(count) for count in before),
+        requests=(None,) * int(here),
+    )
+
+
+def test_what_the_day_has_shown_corrects_how_many_are_expected(bundled):
     futures = sample_futures(bundled, bundled.arrivals, samples=2, seed=1)
-    trace = start_day(bundled)
-    snapshot = snapshot_of(trace.inputs, trace.state)
-    expected = futures.expected[:13].sum()
-    as_forecast = replace(snapshot, now=12, asked=(round(expected),), requests=())
-    assert futures.correction(as_forecast) == pytest.approx(1.0, abs=0.05)
-    nobody = replace(as_forecast, asked=(0,))
-    assert futures.correction(nobody) < 0.7
-    crowd = replace(as_forecast, asked=(round(10 * expected),))
+    course = futures.expected[:20]
+    as_forecast = snapshot_after(bundled, futures, np.round(course))
+    assert futures.correction(as_forecast) == pytest.approx(1.0, abs=0.1)
+    nobody = snapshot_after(bundled, futures, 0 * course)
+    assert futures.correction(nobody) < 0.5
+    crowd = snapshot_after(bundled, futures, 10 * course)
     assert futures.correction(crowd) == MOST
-    known = {
-        n: sum(map(len, futures.coming(s)))
-        for n, s in (("few", nobody), ("forecast", as_forecast), ("many", crowd))
-    }
-    assert known["few"] < known["forecast"] < known["many"]
+    known = [sum(map(len, futures.coming(s))) for s in (nobody, as_forecast, crowd)]
+    assert known[0] < known[1] < known[2]
+
+
+def test_a_course_that_denies_the_forecast_is_not_trusted(bundled):
+    """Two hours late, or all at once: nobody is expected any more, so it falls back to P1."""
+    futures = sample_futures(bundled, bundled.arrivals, samples=4, seed=1)
+    course = futures.expected[:20]
+    as_forecast = snapshot_after(bundled, futures, np.round(course))
+    late = snapshot_after(bundled, futures, np.round(np.roll(course, 2)))
+    at_once = snapshot_after(bundled, futures, (*np.zeros(19), course.sum()))
+    assert futures.trust(as_forecast) == 1.0
+    assert futures.trust(late) < 0.2
+    assert futures.trust(at_once) < 1e-6
+    assert not any(futures.coming(at_once))
+    assert any(futures.coming(as_forecast))
+
+
+def test_a_forecast_that_is_right_is_seldom_doubted(bundled):
+    """The test's level holds: of right forecasts about one in twenty is doubted at a time."""
+    futures = sample_futures(bundled, bundled.arrivals, samples=1, seed=1)
+    stream = np.random.default_rng(7)
+    trusted = [
+        futures.trust(snapshot_after(bundled, futures, stream.poisson(futures.expected[:20])))
+        for _ in range(400)
+    ]
+    assert np.mean(np.array(trusted) < 1.0) < 0.09
+
+
+def test_it_looks_no_further_ahead_than_bears_on_now(bundled):
+    futures = sample_futures(bundled, bundled.arrivals, samples=4, seed=1)
+    snapshot = snapshot_after(bundled, futures, (0,))
+    arrivals = [r.arrival_interval for day in futures.coming(snapshot) for r in day]
+    assert 0 < min(arrivals) <= max(arrivals) <= AHEAD_HOURS
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("wrong", FORECASTS)
+def test_no_wrong_forecast_makes_it_earn_less_than_p1_in_the_mean(bundled, wrong):
+    gained = []
+    for seed in range(1, 7):
+        scenario = edit_scenario(bundled, {"arrivals.seed": seed})
+        misled = informed(scenario, FORECASTS[wrong](scenario.arrivals))
+        base = totals(run_day(start_day(scenario), p1_policy())).profit
+        gained.append(totals(run_day(start_day(scenario), misled)).profit - base)
+    assert np.mean(gained) > 0
 
 
 def test_futures_follow_the_statistics(bundled):
