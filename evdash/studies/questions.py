@@ -46,6 +46,12 @@ def _around(count: int) -> tuple[int, ...]:
     return tuple(sorted({max(1, round(count * f)) for f in (0.5, 0.75, 1, 1.25, 1.5, 2)}))
 
 
+def _whole(value: float) -> float:
+    """A value to a decimal, as a whole number where it is one."""
+    near = round(value, 1)
+    return int(near) if near == int(near) else near
+
+
 def chargers(scenario: Scenario) -> Study:
     """The station with fewer and more chargers."""
     axis = Axis(name="chargers", key="station.chargers", values=_around(scenario.station.chargers))
@@ -59,7 +65,7 @@ def transformer(scenario: Scenario) -> Study:
     line = limiting_line(scenario)
     if line is not None:
         name, rating = line
-        values = tuple(round(rating * f, 1) for f in (1, 1.25, 1.5, 2))
+        values = tuple(_whole(rating * f) for f in (1, 1.25, 1.5, 2))
         axes += (Axis(name=f"rating of {name}, kVA", key=f"line.{name}.rating_kva", values=values),)
     return _study(scenario, "What does a bigger transformer bring?", FEW_DAYS, axes)
 
@@ -89,7 +95,7 @@ def penetration(scenario: Scenario) -> Study:
     """More and more vehicles at the same station."""
     known = scenario.arrivals
     mean = known.vehicles_per_day if isinstance(known, GeneratedArrivals) else 100.0
-    values = tuple(round(mean * f, 1) for f in (0.25, 0.5, 0.75, 1, 1.5, 2, 3))
+    values = tuple(_whole(mean * f) for f in (0.25, 0.5, 0.75, 1, 1.5, 2, 3))
     axis = Axis(name="vehicles per day", key="arrivals.vehicles_per_day", values=values)
     return _study(scenario, "How many vehicles can it take?", DAYS, (axis,))
 
@@ -101,7 +107,7 @@ def upgrade(scenario: Scenario) -> Study:
     line = limiting_line(scenario)
     if line is not None:
         name, rating = line
-        larger = {f"line.{name}.rating_kva": round(1.5 * rating, 1)}
+        larger = {f"line.{name}.rating_kva": _whole(1.5 * rating)}
         cases.append(Case(name=f"{name} at {1.5 * rating:g} kVA", set=larger))
         cases.append(Case(name="both", set=more | larger))
     axis = Axis(name="upgrade", case=tuple(cases))

@@ -14,6 +14,10 @@ INTRODUCTION = (
     "are run beside this page, and what they show is drawn here as it comes. You can go on with "
     "the other pages meanwhile, close the tab, and come back by this page's address."
 )
+OTHER_CODE = (
+    "What this study found was made by another version of evdash, and is not mixed with what this "
+    "one would find."
+)
 
 
 def show(shelf: Shelf) -> None:
@@ -30,5 +34,8 @@ def show(shelf: Shelf) -> None:
         st.error(f"This study cannot be read. {plain(str(error))}", icon=":material/error:")
         return
     if found.results:
-        pictures(found)
+        pictures(found, folder.path.name)
         handing(folder, found)
+    elif stand is not None and stand.ended and not stand.is_live:
+        st.info(OTHER_CODE, icon=":material/history:")
+        st.button("Run it again", on_click=shelf.resume, args=(folder,), key="again_study")

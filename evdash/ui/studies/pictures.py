@@ -42,8 +42,8 @@ class Dimension:
     labels: tuple[object, ...]
 
 
-def pictures(found: Found) -> None:
-    """The answer in a sentence, the picture of one metric, its table."""
+def pictures(found: Found, number: str) -> None:
+    """The answer in a sentence, the picture of one metric, its table; of the study so numbered."""
     metrics = found.metrics
     if not metrics:
         st.info("This study tells words only; its tables hold them.")
@@ -53,13 +53,15 @@ def pictures(found: Found) -> None:
             "What to show",
             metrics,
             format_func=lambda name: MEASURES[name].head,
-            key="study_metric",
+            key=f"study_metric_{number}",
             persist_state="session",
             width=320,
         )
         varied = dimensions(found)
         paired = bool(varied) and st.toggle(
-            "Difference from the first, day by day", key="study_paired", help=DIFFERENCE_HELP
+            "Difference from the first, day by day",
+            key=f"study_paired_{number}",
+            help=DIFFERENCE_HELP,
         )
     metric = metric if metric in metrics else metrics[0]
     st.caption(MEASURES[metric].meaning)

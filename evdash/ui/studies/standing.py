@@ -12,15 +12,6 @@ from evdash.ui.words import counted, plain
 LOOK_SECONDS = 1.0
 REDRAW_SHARE = 0.1
 """Pictures are drawn anew each time so much more of a study has landed."""
-WORDS = {
-    "starting": "starting",
-    "waiting": "waits for its turn",
-    "running": "runs",
-    "done": "done",
-    "stopped": "cancelled",
-    "broken": "broken off",
-    "interrupted": "interrupted",
-}
 
 
 def chosen(shelf: Shelf) -> StudyFolder | None:
@@ -41,10 +32,8 @@ def chosen(shelf: Shelf) -> StudyFolder | None:
 
 
 def _title(shelf: Shelf, folder: StudyFolder) -> str:
-    stand = read_stand(folder)
     study = shelf.study(folder).study
-    state = WORDS[stand.state] if stand else "not begun"
-    return f"{folder.path.name}. {study.question or study.name} ({state})"
+    return f"{folder.path.name}. {study.question or study.name}"
 
 
 def standing(shelf: Shelf, folder: StudyFolder) -> Stand | None:
