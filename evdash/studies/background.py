@@ -34,13 +34,13 @@ def spare_cores() -> int:
     return max(1, cores() - 1)
 
 
-def launch(folder: StudyFolder, queue: Path, workers: int | None = None) -> None:
-    """Start or resume the study kept in a folder, and leave it to itself."""
+def launch(folder: StudyFolder, queue: Path, workers: int | None = None) -> int:
+    """Start or resume the study kept in a folder, and leave it to itself; its process's id."""
     stop(folder, False)
     write_stand(folder, Stand("starting", time.time()))
     command = [sys.executable, "-m", "evdash.studies.background", str(folder.path.resolve())]
     with (folder.path / LOG).open("wb") as log:
-        subprocess.Popen(  # noqa: S603 - our own module
+        process = subprocess.Popen(  # noqa: S603 - our own module
             [*command, str(queue.resolve()), str(workers or spare_cores())],
             cwd=ROOT,
             stdin=subprocess.DEVNULL,
@@ -48,6 +48,7 @@ def launch(folder: StudyFolder, queue: Path, workers: int | None = None) -> None
             stderr=log,
             start_new_session=True,
         )
+    return process.pid
 
 
 def stop(folder: StudyFolder, stopped: bool = True) -> None:
