@@ -27,6 +27,7 @@ STYLE = """
 .st-key-prompts button { min-height: 2rem; padding: .1rem .6rem; }
 .st-key-figures [data-testid="stMetricLabel"] { min-height: 1.2rem; }
 .st-key-schedule, .st-key-decision { gap: .4rem; }
+.st-key-table_requests { margin-top: .4rem; }
 .st-key-schedule h4, .st-key-decision h4 { padding: 0 0 .6rem; font-size: 1.2rem; }
 [data-testid="stMarkdownContainer"] table { width: 100%; font-size: .9rem; margin: 0; }
 [data-testid="stMarkdownContainer"] :is(th, td) { padding: .22rem .45rem;
