@@ -2,11 +2,11 @@
 
     python -m benchmarks.ui_steps [CASE ...]
 
-Drives a real browser against a real server and prints a table in Markdown. A step counts from the click
-until the script has ended and every chart's drawing has been quiet for two frames. A CASE is a
-preset, or `200x96`: 200 vehicles in quarter hours. The first row is a page of a clock and a
-button alone: what the browser and the server take on this machine before there is anything to
-show, so that runs on machines of different load can be compared.
+Drives a real browser against a real server and prints a table in Markdown. A step counts from
+the click until the script has ended and every chart's drawing has been quiet for two frames. A
+CASE is a preset, or `200x96`: 200 vehicles in quarter hours. The first row is a page of a clock
+and a button alone: what the browser and the server take on this machine before there is anything
+to show, so that runs on machines of different load can be compared.
 """
 
 import math
