@@ -13,6 +13,7 @@ from rich.markup import escape
 from evdash import __version__
 from evdash.cli.audit import audit
 from evdash.cli.export import add_export
+from evdash.cli.imports import add_import
 from evdash.cli.run import run
 from evdash.cli.study import add_study
 from evdash.cli.validate import validate
@@ -67,6 +68,7 @@ def parser() -> argparse.ArgumentParser:
     _add_validate(commands)
     _add_audit(commands)
     add_export(commands, STATUSES)
+    add_import(commands, STATUSES)
     add_study(commands, STATUSES)
     return top
 

@@ -1,0 +1,1 @@
+"""Networks in pandapower's form: what is read of them, and the radial feeder they become."""

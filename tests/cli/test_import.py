@@ -1,0 +1,79 @@
+"""`import` from the command line: what comes in runs, and what is faulty changes nothing."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from evdash.files.bundled import DEFAULT
+from evdash.files.draft import draft_of
+from evdash.files.scenario_folder import read_scenario
+from evdash.imports.workbook import scenario_workbook, written
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+@pytest.mark.parametrize(("name", "network"), [("case33bw", "lindistflow"), ("cigre_mv", "ac")])
+def test_a_network_by_name_runs(command: Command, tmp_path: Path, name: str, network: str) -> None:
+    status, out, _ = command("import", "feeder", name, "--into", tmp_path / "s")
+    assert status == 0
+    assert "AC power flow at full load" in out
+    assert command("validate", tmp_path / "s")[0] == 0
+    status, _, _ = command(
+        "run", tmp_path / "s", "--network", network, "--set", "intervals=3", "--set",
+        "arrivals_until=3", "--set", "station.chargers=2", "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert status == 2  # the profile has more rows than three intervals: told, nothing written
+    status, _, _ = command("run", tmp_path / "s", "--network", network, "--out", tmp_path / "out")
+    assert status == 0
+    assert command("audit", tmp_path / "out")[0] == 0
+
+
+def test_what_is_faulty_leaves_the_folder_as_it_was(command: Command, tmp_path: Path) -> None:
+    folder = tmp_path / "s"
+    assert command("import", "feeder", "four_bus", "--into", folder)[0] == 0
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    for arguments in (
+        ("feeder", "nowhere.json"),
+        ("feeder", "mv_oberrhein"),
+        ("feeder", "case33bw", "--station", "nowhere"),
+        ("feeder", "case33bw", "--set", "station.colour=3"),
+    ):
+        status, _, err = command("import", *arguments, "--into", folder)
+        assert status == 2
+        assert "fault" in err
+        assert "Traceback" not in err
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert command("import", "feeder", "four_bus", "--into", tmp_path / "s" / "nodes.csv")[0] == 2
+
+
+def test_a_workbook_brings_the_feeder_and_its_faults_by_sheet_and_row(
+    command: Command, tmp_path: Path
+) -> None:
+    other = DEFAULT.parent / "voltage-limited"
+    book = tmp_path / "mine.xlsx"
+    book.write_bytes(scenario_workbook(draft_of(read_scenario(other))))
+    assert command("import", "feeder", book, "--into", tmp_path / "s")[0] == 0
+    there, want = read_scenario(tmp_path / "s"), read_scenario(other)
+    assert (there.nodes, there.lines, there.feeder) == (want.nodes, want.lines, want.feeder)
+    nodes = pd.read_excel(book, "nodes", dtype={"node": str})
+    nodes["load_kw"] = nodes["load_kw"].astype(object)
+    nodes.loc[3, "load_kw"] = "lots"
+    lines = pd.read_excel(book, "lines", dtype={"from_node": str, "to_node": str})
+    sheets = {
+        name: [list(frame.columns), *frame.astype(object).where(frame.notna(), None).values]
+        for name, frame in (("nodes", nodes), ("lines", lines))
+    }
+    book.write_bytes(written(sheets))
+    status, _, err = command("import", "feeder", book, "--into", tmp_path / "t")
+    assert status == 2
+    assert "mine.xlsx, sheet nodes, row 5, column load_kw: found 'lots'" in err
+    assert not (tmp_path / "t").exists()
+
+
+def test_help_is_complete(command: Command) -> None:
+    assert "feeder" in command("import", "--help")[1]
+    for option in ("--into", "--base", "--source", "--station", "--set"):
+        assert option in command("import", "feeder", "--help")[1]
+    assert "case33bw" in command("import", "networks")[1]
