@@ -18,7 +18,7 @@ from evdash.files.run_export import RunLabel
 from evdash.files.scenario_folder import read_scenario
 from evdash.metrics.ageing import Thermal
 from evdash.policies.registry import RULES
-from evdash.reports.account import Account, account, flows_needed, transformer_of
+from evdash.reports.account import Account, account, flows_needed, transformer_of, verdict_on
 from evdash.reports.again import decided_again, earlier_run, is_run_folder
 from evdash.reports.bundle import check_files, write_files
 from evdash.reports.html import report_html
@@ -102,15 +102,16 @@ def _account(trace: Trace, label: RunLabel, options: argparse.Namespace) -> Acco
     transformer_of(trace.scenario, options.transformer)
     with progress_bar() as progress:
         task = progress.add_task("checking in AC", total=flows_needed(trace))
+        verdict = verdict_on(trace, partial(progress.advance, task))
         worths = tuple(worth.text for worth in day_worths(trace)) if options.worths else ()
-        return account(
-            trace,
-            label,
-            thermal=Thermal(ambient_c=options.ambient),
-            transformer=options.transformer,
-            worths=worths,
-            on_flow=partial(progress.advance, task),
-        )
+    return account(
+        trace,
+        verdict,
+        label,
+        thermal=Thermal(ambient_c=options.ambient),
+        transformer=options.transformer,
+        worths=worths,
+    )
 
 
 def add_export(commands: "argparse._SubParsersAction[argparse.ArgumentParser]", told: str) -> None:

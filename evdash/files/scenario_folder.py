@@ -222,10 +222,16 @@ def _in_order(scenario: Scenario) -> Scenario:
 
 
 def resolved(scenario: Scenario, arrivals: tuple[Arrival, ...]) -> Scenario:
-    """The scenario with the arrivals that were drawn as records, the generator as forecast."""
+    """The scenario with the arrivals that were drawn as records, the generator as forecast.
+
+    To arrivals recorded already those are added who came beside them.
+    """
     known = scenario.arrivals
     if isinstance(known, RecordedArrivals):
-        return scenario
+        names = {arrival.vehicle for arrival in known.vehicles}
+        beside = tuple(arrival for arrival in arrivals if arrival.vehicle not in names)
+        everyone = known.model_copy(update={"vehicles": (*known.vehicles, *beside)})
+        return scenario.replacing(arrivals=everyone) if beside else scenario
     statistics = {name: getattr(known, name) for name in ArrivalStatistics.model_fields}
     recorded = RecordedArrivals(
         vehicles=arrivals, seed=known.seed, forecast=ArrivalStatistics.model_construct(**statistics)

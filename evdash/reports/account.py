@@ -3,13 +3,15 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from evdash.domain.outlook import Outlook
-from evdash.domain.scenario import Line, Scenario
+from evdash.domain.scenario import Line, RecordedArrivals, Scenario
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
+from evdash.files.differences import Difference, scenario_differences
 from evdash.files.run_export import RunLabel, Verdict, judge, run_files, versions
 from evdash.files.run_folder import SUMMARY
 from evdash.grid.acflow import AcResult
@@ -67,29 +69,36 @@ class Account:
 
 
 def flows_needed(trace: Trace) -> int:
-    """How many AC power flows an account takes: what its `on_flow` will count up to."""
+    """How many AC power flows a verdict takes: what its `on_flow` will count up to."""
     return 2 * len(trace.steps)
+
+
+def verdict_on(trace: Trace, on_flow: Callable[[], None] | None = None) -> Verdict:
+    """A finished day held against its limits; `on_flow` is called before each AC power flow.
+
+    The long part of an account. Raises InputError for a day that is not over.
+    """
+    if not trace.is_over:
+        found = f"{trace.now} of {trace.scenario.intervals} intervals decided"
+        raise InputError([Fault("the run", found, "should be over: run it to its end")])
+    return judge(trace, linear_breaches(trace), on_flow)
 
 
 def account(
     trace: Trace,
+    verdict: Verdict,
     label: RunLabel,
     *,
     thermal: Thermal | None = None,
     transformer: str = "",
     worths: tuple[str, ...] = (),
-    on_flow: Callable[[], None] | None = None,
 ) -> Account:
-    """Account for a finished day; `on_flow` is called before each AC power flow.
+    """Account for a finished day and the verdict on it.
 
     `transformer` names the line that is the station's transformer, by default the rated one
-    nearest to it. Raises InputError for a day that is not over, or a line that is none.
+    nearest to it. Raises InputError for a line that is none.
     """
-    if not trace.is_over:
-        found = f"{trace.now} of {trace.scenario.intervals} intervals decided"
-        raise InputError([Fault("the run", found, "should be over: run it to its end")])
     line = transformer_of(trace.scenario, transformer)
-    verdict = judge(trace, linear_breaches(trace), on_flow)
     return Account(
         trace=trace,
         label=label,
@@ -100,6 +109,30 @@ def account(
         aged=None if line is None else _aged(trace.scenario, line, verdict, thermal or Thermal()),
         worths=worths,
     )
+
+
+def edited(trace: Trace) -> dict[str, list[Difference]]:
+    """What was set otherwise before it was changed on the way, by the clock time of the change.
+
+    Events tell what happened; settings changed by hand, of which no event can tell, do not stand
+    in a run's files: they hold what was in force last.
+    """
+    told: dict[str, list[Difference]] = {}
+    for step, following in pairwise(trace.steps):
+        before, after = step.inputs, following.inputs
+        if before.given is after.given and before.network == after.network:
+            continue
+        found = scenario_differences(_settings_of(before.given), _settings_of(after.given))
+        if before.network != after.network:
+            found.append(Difference("network model", before.network, after.network))
+        if found:
+            told[f"{following.start:%H:%M}"] = found
+    return told
+
+
+def _settings_of(given: Scenario) -> Scenario:
+    """A scenario without what a run's files can tell even where it changes on the way."""
+    return given.replacing(events=(), arrivals=RecordedArrivals())
 
 
 def transformers(scenario: Scenario) -> tuple[str, ...]:

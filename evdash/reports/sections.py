@@ -53,6 +53,7 @@ def _inputs(account: Account) -> Section:
         "Day": words.profile_words(scenario),
         "Vehicles": words.arrivals_words(account),
         "Happened": words.event_lines(account),
+        "Edited": words.edit_lines(account),
         "Decided": words.decided_words(account),
     }
     told = {subject: lines for subject, lines in subjects.items() if lines}

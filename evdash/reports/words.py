@@ -11,12 +11,16 @@ from evdash.explain.words import Clock, element_name, element_words
 from evdash.grid.lindistflow import load_kvar_of
 from evdash.metrics.feeder import Violation, violations
 from evdash.policies.registry import RULES
-from evdash.reports.account import Account
+from evdash.reports.account import Account, edited
 
 NETWORK_WORDS = {
     "lindistflow": "the linearised DistFlow model, as in the paper",
     "ac": "full AC power flow",
 }
+EDITED = (
+    "Settings were changed by hand on the way. The run's files hold what was in force last: the "
+    "time before cannot be audited with them, nor decided again."
+)
 CAUSES = {
     "station": "charging",
     "both": "feeder and charging",
@@ -197,6 +201,16 @@ def event_lines(account: Account) -> list[str]:
 
 def _told(events: Iterable[Event]) -> str:
     return "; ".join(event.text for event in events)
+
+
+def edit_lines(account: Account) -> list[str]:
+    """Settings changed by hand on the way, which the run's files do not tell."""
+    lines = [
+        f"At {clock}, {one.place} from {one.before} to {one.after}."
+        for clock, found in edited(account.trace).items()
+        for one in found
+    ]
+    return [EDITED, *lines] if lines else []
 
 
 def decided_words(account: Account) -> list[str]:

@@ -29,6 +29,7 @@ STYLE = """
 .st-key-schedule, .st-key-decision { gap: .4rem; }
 .st-key-table_requests { margin-top: .4rem; }
 .st-key-schedule h4, .st-key-decision h4 { padding: 0 0 .6rem; font-size: 1.2rem; }
+.st-key-handon_body { width: min(40rem, 88vw); gap: .6rem; }
 [data-testid="stMarkdownContainer"] table { width: 100%; font-size: .9rem; margin: 0; }
 [data-testid="stMarkdownContainer"] :is(th, td) { padding: .22rem .45rem;
   white-space: nowrap; }

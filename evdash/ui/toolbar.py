@@ -2,6 +2,7 @@
 
 import streamlit as st
 
+from evdash.ui.handon.popover import hand_on
 from evdash.ui.parts import view
 from evdash.ui.session import Session
 from evdash.ui.words import counted
@@ -39,11 +40,12 @@ def toolbar(session: Session) -> None:
             disabled=not trace.steps,
             help="Back to the start of the day, with the settings as they are now.",
         )
+        hand_on(session)
         st.caption(
-            f"{ahead.clock:%A, %d %B} · {trace.now} of "
-            f"{counted(ahead.n_intervals, 'interval')} decided",
+            f"{ahead.clock:%a %d %b} · {trace.now} of {ahead.n_intervals}",
             text_alignment="right",
-            help=LINK_HELP,
+            help=f"{ahead.clock:%A, %d %B}: {trace.now} of "
+            f"{counted(ahead.n_intervals, 'interval')} decided. {LINK_HELP}",
         )
     if session.keeper.said:
         st.caption(f":orange[:material/link_off: {session.keeper.said}]")

@@ -17,6 +17,7 @@ from evdash.domain.trace import Step, Trace
 from evdash.metrics.totals import Totals
 
 _PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
+_UNFIT = re.compile(r"[^a-z0-9]+")
 MOST_REASONS = 3
 """So many reasons are told in words; the table has them all."""
 
@@ -24,6 +25,11 @@ MOST_REASONS = 3
 def plain(text: str) -> str:
     """User text as Markdown shows it unchanged: no formatting, no links, no formulas."""
     return _PUNCTUATION.sub(r"\\\1", text)
+
+
+def file_stem(name: str) -> str:
+    """What a file made of something named by the user is called, without its ending."""
+    return _UNFIT.sub("-", name.lower()).strip("-")[:40] or "scenario"
 
 
 def money(usd: float) -> str:

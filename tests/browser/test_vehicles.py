@@ -21,7 +21,7 @@ def press(page: Page, key: str) -> None:
 
 def run_to_end(page: Page) -> None:
     press(page, "finish")
-    page.get_by_text("24 of 24 intervals decided").wait_for(timeout=30_000)
+    page.get_by_text("24 of 24").wait_for(timeout=30_000)
     settled(page)
 
 

@@ -8,7 +8,7 @@ from evdash.files.bundled import DEFAULT
 from evdash.files.run_export import RunLabel
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day
-from evdash.reports.account import Account, account
+from evdash.reports.account import Account, account, verdict_on
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import line, make_scenario, node, vehicle
 
@@ -22,7 +22,8 @@ def finished(scenario: Scenario) -> Trace:
 
 def account_of(scenario: Scenario, **told: object) -> Account:
     label = RunLabel("p1", "lindistflow", scenario.arrivals.seed, 1.0)
-    return account(finished(scenario), label, **told)
+    trace = finished(scenario)
+    return account(trace, verdict_on(trace), label, **told)
 
 
 @pytest.fixture(scope="session")

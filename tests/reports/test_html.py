@@ -9,11 +9,10 @@ import pytest
 from evdash.charts.standalone import plotly_script
 from evdash.domain.scenario import Scenario
 from evdash.errors import InputError
-from evdash.files.run_export import RunLabel
 from evdash.horizon.day import start_day
 from evdash.metrics.ageing import Thermal
 from evdash.metrics.records import vehicle_records
-from evdash.reports.account import account, transformers
+from evdash.reports.account import account, transformers, verdict_on
 from evdash.reports.html import cell, report_html
 from evdash.reports.tables import loading_rows, reason_rows, violation_rows, voltage_rows
 from tests.builders import make_scenario, node
@@ -149,12 +148,12 @@ def test_durations_count_the_cells_of_the_voltage_table(usual):
 def test_the_transformer_and_its_ambient_can_be_chosen(usual):
     scenario: Scenario = usual.scenario
     assert transformers(scenario)[0] == "633-634"
-    warm = account(usual.trace, usual.label, thermal=Thermal(ambient_c=40.0))
+    warm = account(usual.trace, usual.verdict, usual.label, thermal=Thermal(ambient_c=40.0))
     assert warm.aged.with_station.highest_c == pytest.approx(usual.aged.with_station.highest_c + 10)
-    other = account(usual.trace, usual.label, transformer="650-632")
+    other = account(usual.trace, usual.verdict, usual.label, transformer="650-632")
     assert (other.aged.name, other.aged.rating_kva) == ("650-632", 5260.0)
     with pytest.raises(InputError, match="should be a line with a rating"):
-        account(usual.trace, usual.label, transformer="671-692")
+        account(usual.trace, usual.verdict, usual.label, transformer="671-692")
 
 
 def test_without_ratings_or_vehicles_it_says_so():
@@ -171,7 +170,7 @@ def test_without_ratings_or_vehicles_it_says_so():
 def test_a_day_that_is_not_over_is_refused():
     trace = start_day(make_scenario())
     with pytest.raises(InputError, match="run it to its end"):
-        account(trace, RunLabel("p1", "lindistflow", None, 0.0))
+        verdict_on(trace)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Whether the draft will do: every fault at once, or a new day on it, and the way out as a .zip."""
 
-import re
-
 import streamlit as st
 
 from evdash.domain.scenario import Scenario
@@ -13,9 +11,8 @@ from evdash.ui import run as runs
 from evdash.ui.parts import table
 from evdash.ui.scenario.editor import Editor, Said, present_scenario
 from evdash.ui.session import Session
-from evdash.ui.words import counted, plain
+from evdash.ui.words import counted, file_stem, plain
 
-UNFIT = re.compile(r"[^a-z0-9]+")
 SHOWN_FAULTS = 200
 
 
@@ -83,8 +80,7 @@ def _begin(session: Session, editor: Editor, scenario: Scenario | None) -> None:
 
 def _download(editor: Editor, scenario: Scenario | None) -> None:
     files = scenario_files(scenario) if scenario else files_of(editor.draft)
-    name = UNFIT.sub("-", str(editor.draft.settings.get("name", "")).lower()).strip("-")
-    name = name[:40] or "scenario"
+    name = file_stem(str(editor.draft.settings.get("name", "")))
     st.download_button(
         "Download as .zip",
         lambda: zipped(files, name),
