@@ -15,7 +15,8 @@ def ac_breaches(scenario: Scenario, executed: AcResult, base: AcResult) -> tuple
     """Voltages and ratings exceeded in `executed`; `base` is the same without the station.
 
     Both cover the same intervals, from 0 on. An interval without an AC solution counts as a
-    limit exceeded, `power_flow:` and the station's node.
+    limit exceeded, `power_flow:` and the station's node; the station's doing unless it draws
+    nothing in it and there is none without it either.
     """
     limits = scenario.feeder
     found: list[Breach] = []
@@ -40,11 +41,16 @@ def ac_breaches(scenario: Scenario, executed: AcResult, base: AcResult) -> tuple
 
 
 def _without_solution(scenario: Scenario, executed: AcResult, base: AcResult) -> list[Breach]:
-    element, lost = f"power_flow:{scenario.station.node}", set(base.diverged)
+    element = f"power_flow:{scenario.station.node}"
+    own = set(base.diverged) - _drawing(executed, base)
     return [
-        Breach(t, element, 1.0, float(t in lost), "solution missing", 0.0)
-        for t in executed.diverged
+        Breach(t, element, 1.0, float(t in own), "solution missing", 0.0) for t in executed.diverged
     ]
+
+
+def _drawing(executed: AcResult, base: AcResult) -> set[int]:
+    """Rows in which the station draws power: injections other than without it."""
+    return set(np.flatnonzero((executed.node_kva != base.node_kva).any(axis=1)).tolist())
 
 
 def _beyond(element: str, depths: list[Floats], unit: str, tolerance: float) -> list[Breach]:

@@ -96,12 +96,15 @@ class AcFeeder:
         every = np.arange(self.scenario.intervals)
         excess = self.excess(every, station_kw)
         margins = 10 * self._margins()
+        before = np.maximum(0.0, self.base_excess)
+        # where there is no solution without the station, it may draw nothing on top of that
+        before[station_kw > 0, -1] = 0.0
         return [
             Breach(
                 interval=int(t),
                 element=self.elements[i],
                 depth=float(excess[t, i]),
-                base_depth=float(max(0.0, self.base_excess[t, i])),
+                base_depth=float(before[t, i]),
                 unit=self._unit(int(i)),
                 tolerance=float(margins[i]),
             )

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 
 from benchmarks.ac_headroom import random_tree
 from evdash.domain.breach import Breach
+from evdash.domain.events import Event
 from evdash.domain.scenario import Scenario
 from evdash.files.bundled import PRESETS
 from evdash.files.overrides import edit_scenario
@@ -18,6 +19,7 @@ from evdash.grid.acflow import ac_flow
 from evdash.grid.aclimits import AcFeeder, ac_limit_rows
 from evdash.grid.reduction import limit_rows
 from evdash.horizon.day import run_day, start_day, step
+from evdash.horizon.happen import happen
 from evdash.horizon.revise import revise
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.totals import totals
@@ -148,6 +150,28 @@ def test_a_base_case_without_solution_leaves_no_room():
     assert (rows.headroom_kw() == 0).all()
     day = run_day(start_day(scenario, "ac"), p1_policy())
     assert totals(day).admitted == 0
+
+
+@pytest.mark.parametrize("network", ["ac", "lindistflow"])
+def test_who_charges_where_the_feeder_has_no_solution_of_its_own_is_to_blame(network):
+    """Loads a hundredfold from 18:00: AC has no solution with the station or without it."""
+    trace = start_day(read_scenario(PRESETS / "summer-weekday"), network)
+    while trace.now < 18:
+        trace = step(trace, p1_policy())
+    lost = Event(interval=18, event="load_factor", value=100)
+    after = happen(trace, [lost])
+    assert after.state.is_short
+    scenario = after.scenario
+    power = np.zeros(scenario.intervals)
+    power[20] = 1.0
+    base = ac_flow(scenario, np.zeros(scenario.intervals))
+    for found in (
+        AcFeeder(scenario).breaches(power),
+        ac_breaches(scenario, ac_flow(scenario, power), base),
+    ):
+        missing = {b.interval: b.by_station for b in found if b.element == "power_flow:634"}
+        assert missing == {t: t == 20 for t in range(18, 24)}
+    assert (executed_station_kw(run_day(after, p1_policy()))[18:] == 0).all()
 
 
 @given(scenarios(max_nodes=6))
