@@ -39,7 +39,13 @@ def ac_gap_figure(outlook: Outlook, gaps: Sequence[Gap]) -> Figure:
         HEIGHT_PX,
         hovermode="closest",
         xaxis=time_axis(outlook) | {"anchor": "y2"},
-        yaxis=value_axis("Lowest, pu", domain=LOWEST_DOMAIN, range=_range(outlook, gaps), nticks=6),
+        yaxis=value_axis(
+            "Lowest, pu",
+            domain=LOWEST_DOMAIN,
+            range=_range(outlook, gaps),
+            nticks=6,
+            tickformat=".3f",
+        ),
         yaxis2=value_axis(
             "Difference, pu",
             domain=GAP_DOMAIN,

@@ -106,6 +106,7 @@ def test_runs_that_have_come_to_different_hours_are_compared_up_to_the_common_on
 def test_pins_are_renamed_opened_and_taken_away() -> None:
     at = opened()
     press(day_of(at, 2), "pin")
+    assert "One run alone" in at.info[0].value
     kept = pins(at).all[0].run
     at.text_input(key="rename:1").set_value("Twelve *chargers*").run()
     assert pins(at).all[0].name == "Twelve *chargers*"

@@ -15,7 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from evdash.store.place import VARIABLE
 from tests.browser.live import LivePage
@@ -32,7 +32,10 @@ FLAGS = [
     "--disable-sync",
     "--disable-dev-shm-usage",
 ]
-SERVER_SECONDS = 40
+SERVER_SECONDS = 120
+PATIENCE_MS = 120_000
+"""For whatever a page has to show, on a machine with much else to do: no test fails on time."""
+expect.set_options(timeout=PATIENCE_MS)
 # A deep link makes Streamlit's browser side try addresses below the page's own first.
 KNOWN_ERROR = re.compile(r"https?://[^/]+/[a-z]+/_stcore/")
 
@@ -105,6 +108,7 @@ def server() -> Iterator[str]:
 def visiting(browser: Browser, scheme: str = "light") -> Iterator[Page]:
     """A new visitor's page; afterwards it must have had nothing to complain about."""
     context = browser.new_context(viewport={"width": 1366, "height": 768}, color_scheme=scheme)  # type: ignore[arg-type]
+    context.set_default_timeout(PATIENCE_MS)
     page = context.new_page()
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))

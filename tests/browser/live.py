@@ -30,15 +30,15 @@ class LivePage:
     def open(self, path: str = "/") -> "LivePage":
         """Open the app and wait for all charts."""
         self.page.goto(self.address + path)
-        self.page.locator(".st-key-chart_voltages .main-svg").first.wait_for(timeout=30_000)
+        self.page.locator(".st-key-chart_voltages .main-svg").first.wait_for()
         return self.settled()
 
     def settled(self) -> "LivePage":
         """Wait until no script runs and none begins anew."""
         for _ in range(2):
-            self.page.wait_for_selector(SETTLED, timeout=30_000)
+            self.page.wait_for_selector(SETTLED)
             self.page.wait_for_timeout(QUIET_MS)
-        self.page.wait_for_selector(SETTLED, timeout=30_000)
+        self.page.wait_for_selector(SETTLED)
         return self
 
     def press(self, key: str) -> "LivePage":
@@ -55,7 +55,7 @@ class LivePage:
 
     def shows(self, hour: int) -> "LivePage":
         """Wait until the clock shows this hour."""
-        expect(self.page.locator(".st-key-clock")).to_have_text(f"{hour:02d}:00", timeout=15_000)
+        expect(self.page.locator(".st-key-clock")).to_have_text(f"{hour:02d}:00")
         return self
 
     @property

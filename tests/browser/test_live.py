@@ -24,7 +24,7 @@ def test_the_story_from_start_to_end(live: LivePage) -> None:
     for name in CHARTS:
         expect(live.chart(name)).to_have_count(1)
     # The AC check comes by itself, a little later, and puts the overload down to the station.
-    live.page.get_by_text("caused by the station").wait_for(timeout=20_000)
+    live.page.get_by_text("caused by the station").wait_for()
     live.settled().press("reset").shows(0)
 
 
@@ -54,7 +54,7 @@ def test_prices_by_the_hour_can_be_edited(live: LivePage) -> None:
     cell = live.page.locator("#portal input, input.gdg-input").first
     cell.fill("0.9")
     cell.press("Enter")
-    live.page.get_by_text("energy price of 1 interval").wait_for(timeout=10_000)
+    live.page.get_by_text("energy price of 1 interval").wait_for()
 
 
 def test_a_wrong_or_impossible_edit_is_answered_and_not_applied(live: LivePage) -> None:
@@ -100,7 +100,7 @@ def test_another_preset_and_back_by_its_address(live: LivePage) -> None:
     expect(live.field("Chargers")).to_have_value("140")
     assert "preset=voltage-limited" in live.page.url
     live.page.reload()
-    expect(live.sentence).to_contain_text("node 652", timeout=15_000)
+    expect(live.sentence).to_contain_text("node 652")
     expect(live.field("Chargers")).to_have_value("140")
 
 
@@ -113,7 +113,7 @@ def test_a_run_survives_a_reload_another_browser_and_a_new_server(
         live.type("Chargers", "9").step_to(5)
         page.reload()
         live.shows(5).settled()
-        expect(live.field("Chargers")).to_have_value("9", timeout=20_000)
+        expect(live.field("Chargers")).to_have_value("9")
         delivered = live.settled().step_to(6).figure("Delivered").inner_text()
         link = page.url.removeprefix(address)
         assert "run=" in link

@@ -14,7 +14,7 @@ from tests.browser.live import SETTLED, LivePage
 
 def settle(page: Page) -> None:
     for _ in range(3):
-        page.wait_for_selector(SETTLED, timeout=60_000)
+        page.wait_for_selector(SETTLED)
         page.wait_for_timeout(200)
 
 
@@ -55,12 +55,12 @@ def test_a_scenario_handed_out_and_taken_in_again_is_the_same(live: LivePage) ->
     expect(page.get_by_role("spinbutton", name="How many vehicles can charge")).to_have_value("140")
     upload = {"name": "mine.zip", "mimeType": "application/zip", "buffer": first}
     page.locator(".st-key-scenario_upload input[type=file]").set_input_files(upload)
-    page.get_by_text("mine.zip replaced the whole scenario").wait_for(timeout=15_000)
+    page.get_by_text("mine.zip replaced the whole scenario").wait_for()
     settle(page)
     expect(page.get_by_role("spinbutton", name="How many vehicles can charge")).to_have_value("7")
     assert downloaded(page) == first
     press(page, "apply_scenario")
-    page.get_by_text("A new day has begun on Summer weekday").wait_for(timeout=15_000)
+    page.get_by_text("A new day has begun on Summer weekday").wait_for()
     go(page, "Learn", "Live")
     expect(page.get_by_label("Chargers", exact=True)).to_have_value("7")
 
@@ -73,7 +73,7 @@ def test_a_wrong_table_is_told_by_row_and_mended_in_place(live: LivePage) -> Non
     )
     upload = {"name": "profile.csv", "mimeType": "text/csv", "buffer": content}
     page.locator(".st-key-scenario_upload input[type=file]").set_input_files(upload)
-    page.get_by_text("1 fault").wait_for(timeout=15_000)
+    page.get_by_text("1 fault").wait_for()
     settle(page)
     expect(page.get_by_text("profile.csv, row 5, column price_per_kwh").first).to_be_attached()
     page.get_by_role("tab", name="Prices and loads").click()
@@ -102,14 +102,14 @@ def test_two_runs_are_pinned_and_compared(live: LivePage) -> None:
     live.settled().press("reset")
     live.type("Chargers", "6")
     go(page, "Plan", "Compare")
-    page.get_by_text("come to different hours").wait_for(timeout=15_000)
+    page.get_by_text("come to different hours").wait_for()
     name = page.get_by_role("textbox", name="Name for the present run")
     name.fill("Half the chargers")
     name.press("Enter")
     settle(page)
     press(page, "pin")
     press(page, "finish_all")
-    expect(page.get_by_text("come to different hours")).to_have_count(0, timeout=30_000)
+    expect(page.get_by_text("come to different hours")).to_have_count(0)
     settle(page)
     figures = page.locator(".st-key-compare_figures")
     expect(figures).to_contain_text("Half the chargers")
@@ -120,7 +120,7 @@ def test_two_runs_are_pinned_and_compared(live: LivePage) -> None:
     page.get_by_role("radio", name="Headroom").click()
     settle(page)
     page.reload()
-    figures.wait_for(timeout=30_000)
+    figures.wait_for()
     settle(page)
     expect(figures).to_contain_text("Half the chargers")
     expect(figures.locator("tr", has_text="Admitted")).to_contain_text("−")
@@ -142,7 +142,7 @@ def test_a_cold_deep_link_finds_its_page(
 ) -> None:
     with serving() as fresh, visiting(browser) as page:
         page.goto(f"{fresh}/{path}?preset=voltage-limited")
-        page.locator(".st-key-scenario_tabs, .st-key-pin").first.wait_for(timeout=30_000)
+        page.locator(".st-key-scenario_tabs, .st-key-pin").first.wait_for()
         settle(page)
         see(page)
         assert re.search(rf"/{path}\b", page.url)

@@ -22,6 +22,11 @@ INTRODUCTION = (
     "**Live** or **Scenario**, run that day too, and come back: this page shows what the change "
     "did to admissions, money, load and voltages."
 )
+ALONE = (
+    "One run alone has nothing to be compared with yet. Change something on **Live** or "
+    "**Scenario**, or press one of its **What if**, and come back: both runs then stand side by "
+    "side."
+)
 
 
 def pin_present(session: Session, pins: Pins) -> None:
@@ -133,7 +138,9 @@ def _rename(pins: Pins, number: int, key: str) -> None:
 
 
 def how_far(held: list[Held], pins: Pins) -> None:
-    """Up to when runs are compared, and a button to run all of them to the end."""
+    """Up to when runs are compared, what to do where there is but one, and a button to run all."""
+    if pins.all and len(held) == 1:
+        st.info(ALONE, icon=":material/compare_arrows:")
     if len({run.whole.now * run.scenario.interval_hours for run in held}) > 1:
         hour = held[0].scenario.time_of(held[0].common.now)
         st.warning(

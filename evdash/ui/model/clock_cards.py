@@ -64,7 +64,7 @@ def next_interval(n: Numbers) -> Filled:
 
 CLOCK = (
     Card(
-        "s",
+        "(sₙ)",
         "How much energy a vehicle needs",
         r"s_n = \frac{(SOC_{out} - SOC_{in}) \cdot "
         r"Bcap_n}{\eta}",
@@ -72,7 +72,7 @@ CLOCK = (
         need_kwh,
     ),
     Card(
-        "a",
+        "(aₙ)",
         "How long it may take",
         r"a_n = \left\lceil \frac{s_n}{P_{C_j}\,\Delta t} "
         r"\right\rceil",
