@@ -21,13 +21,13 @@ SECONDS = 60.0
 def assert_agrees(problem: Problem) -> None:
     """Feasible, within a cent of its own bound, and the bound below the reference's optimum.
 
-    Whether the tree chooses the contracts or, as with many requests, HiGHS.
+    Whether contracts are searched in lists or, as where those grow too long, by HiGHS.
     """
     reference = solve_reference(problem, SECONDS)
     other = problem.objective(reference.admitted, reference.power_kw)
     assert other - reference.bound <= ABSOLUTE_GAP_USD + HAIR
-    for most_requests in (solver.REQUESTS, -1):
-        with patch.object(solver, "REQUESTS", most_requests):
+    for stages in (solver.STAGES, solver.STAGES[1:]):
+        with patch.object(solver, "STAGES", stages):
             fast = solve_fast(problem, SECONDS)
         value = problem.objective(fast.admitted, fast.power_kw)
         assert violations(problem, fast) == []

@@ -8,11 +8,11 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 
 from evdash.domain.limits import Floats, LimitRows
 from evdash.scheduling.fast.charges import charges_of
+from evdash.scheduling.fast.choices import Prices
 from evdash.scheduling.fast.relaxation import Relaxation, relaxation_of
 from evdash.scheduling.fast.relevance import charger_slots
 from evdash.scheduling.fast.rounding import violated_cuts
 from evdash.scheduling.fast.solver import search_over
-from evdash.scheduling.fast.tree import Duals
 from evdash.scheduling.problem import Problem
 from tests.scheduling.problems import random_problem
 
@@ -163,14 +163,15 @@ def test_integer_points_satisfy_every_row_and_cut(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_duals_price_no_choice_of_contracts_too_high(seed):
+def test_no_lp_prices_a_choice_of_contracts_too_high(seed):
     rng, tight = np.random.default_rng([13, seed]), 0
     for _ in range(40):
         problem = random_problem(rng, max_vehicles=6, max_slots=5)
         relaxation = relaxed(problem, everywhere=False)
         at, program = relaxation.columns, relaxation.program
         search = search_over(relaxation, 60.0)
-        n, duals = problem.n_vehicles, Duals(np.empty((6, problem.n_vehicles)), np.empty(6))
+        n = problem.n_vehicles
+        prices = Prices(np.empty((0, n)), np.empty(0))
         contract = np.arange(n) < problem.n_contracts
         for _ in range(6):
             decided, value = rng.random(n) < 0.4, rng.integers(0, 2, n)
@@ -179,12 +180,13 @@ def test_duals_price_no_choice_of_contracts_too_high(seed):
             search.session.bound(at.u, np.minimum(lower, upper), upper)
             point = search.relaxed(4)
             if point is not None:
-                duals.learn(point.values[at.u], point.reduced_cost[at.u], point.objective)
+                prices.learn(point.values[at.u], point, point.reduced_cost[at.u])
         for _ in range(4):
             u, _, p = integer_point(problem, rng, problem.price_per_kwh * problem.interval_hours)
             cost = problem.objective(u > 0.5, p)
-            assert duals.bound(u, u) <= cost + 1e-4
-            tight += duals.bound(u, u) > cost - 0.5
+            bound = (prices.offset + prices.slope @ u).max(initial=-np.inf)
+            assert bound <= cost + 1e-4
+            tight += bound > cost - 0.5
     assert tight > 20
 
 

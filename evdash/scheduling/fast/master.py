@@ -1,6 +1,6 @@
 """Who gets a contract: u whole, D continuous, under all cuts. Its bound bounds P1.
 
-Many requests undecided are a knapsack, which HiGHS does best; few are for `tree.py`.
+By HiGHS, for where the lists of `contracts.py` grow too long.
 """
 
 import numpy as np

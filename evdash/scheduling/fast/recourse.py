@@ -6,7 +6,6 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.scheduling.fast.branch import (
-    GAP_USD,
     HAIR_USD,
     Settled,
     branch,
@@ -15,30 +14,36 @@ from evdash.scheduling.fast.branch import (
 )
 from evdash.scheduling.fast.search import CUT_ROUNDS, RUNNING_KW, Search
 from evdash.scheduling.highs import LpPoint
-from evdash.scheduling.problem import TIE_USD
+from evdash.scheduling.problem import TIE_USD, Bools
 from evdash.scheduling.rows import Indices
 
 NODES = 500
-DIVES = 12
+DIVE_LPS = 40
 GUESSES_USD = (0.1, np.inf)
 
 
 def schedule_for(search: Search, u: Floats) -> float:
-    """Offer the cheapest schedule found for contracts `u` (vehicles,); a bound on their cost, $.
-
-    First the LP, then its conflicts rounded away, then branch and bound over the pairs the LP
-    uses, at last over all pairs; each only if the one before did not reach the LP's bound.
-    """
+    """Offer the cheapest schedule found for contracts `u` (vehicles,); a bound on their cost, $."""
     search.session.bound(search.relaxation.columns.u, u, u)
     lp = search.relaxed(CUT_ROUNDS)
     if lp is None:
         return np.inf if search.session.infeasible else -np.inf
+    return completed(search, u, lp)
+
+
+def completed(search: Search, u: Floats, lp: LpPoint) -> float:
+    """The same, the LP for these contracts being solved.
+
+    Its conflicts are rounded away, then there is branch and bound over the pairs it uses, at
+    last over all pairs; each only if the one before did not reach the LP's bound.
+    """
     target = max(search.bound, lp.objective) + TIE_USD
+    search.session.bound(search.relaxation.columns.u, u, u)
     rounded(search, lp, target)
     if search.cost > target and not search.out_of_time:
         around(search, u, lp, target)
     if search.cost > target and not search.out_of_time:
-        return all_pairs(search, u, lp)
+        return all_pairs(search, u, lp, target)
     return lp.objective
 
 
@@ -53,13 +58,13 @@ def around(search: Search, u: Floats, lp: LpPoint, target: float) -> None:
         search.offer(outcome.values)
 
 
-def all_pairs(search: Search, u: Floats, lp: LpPoint) -> float:
+def all_pairs(search: Search, u: Floats, lp: LpPoint, target: float) -> float:
     """Branch and bound over every pair not ruled out: a bound on the cost of contracts `u`, $."""
 
     def attempt(beyond: float) -> float:
         off = cost_of_running(search, lp.reduced_cost) > beyond - lp.objective + HAIR_USD
         settled = Settled(off, np.zeros_like(off), u, u)
-        outcome = branch(search, settled, nodes=NODES, absolute_gap=GAP_USD)
+        outcome = branch(search, settled, nodes=NODES, absolute_gap=TIE_USD, target=target)
         if outcome.values is not None:
             search.offer(outcome.values)
         return outcome.bound
@@ -85,53 +90,61 @@ class Rounding:
 def rounded(search: Search, lp: LpPoint, ceiling: float) -> None:
     """Dive: switch conflicting pairs on or off, solve the LP again, until no conflict is left.
 
-    All conflicts at once; where that costs more than `ceiling`, the first alone, on or off.
+    All conflicts at once; where that costs more than `ceiling`, the surest few, then the surest
+    alone, at last that one the other way.
     """
     at = search.relaxation.columns
     low = search.relaxation.charges.low_kw[at.vehicle]
     top = search.relaxation.charges.top_kw[at.vehicle]
     bounds = Rounding(np.zeros(at.n_pairs), top)
     values: Floats | None = lp.values
-    for _ in range(DIVES):
-        if values is None:
-            break
-        on, off = switches(search, values, bounds)
-        if len(on) + len(off) == 0:
+    solved = 0
+    while values is not None and solved < DIVE_LPS:
+        pairs, on = switches(search, values, bounds)
+        if len(pairs) == 0:
             if not any(conflict.any() for conflict in search.conflicts(values)):
                 search.offer(values)
             break
-        first = np.concatenate([on, off])[:1]
-        nobody = first[:0]
-        tried = [(on, off), (first, nobody), (nobody, first)]
         values = None
-        for switched_on, switched_off in tried[0 if len(on) + len(off) > 1 else 1 :]:
-            attempt = bounds.switched(switched_on, switched_off, low)
+        for taken, as_they_are in ways(len(pairs)):
+            chosen, is_on = pairs[:taken], on[:taken] == as_they_are
+            attempt = bounds.switched(chosen[is_on], chosen[~is_on], low)
             search.session.bound(np.arange(at.n_pairs), attempt.lower, attempt.upper)
             point = search.relaxed()
+            solved += 1
             if point is not None and point.objective <= ceiling:
                 bounds, values = attempt, point.values
                 break
     search.session.bound(np.arange(at.n_pairs), np.zeros(at.n_pairs), top)
 
 
-def switches(search: Search, values: Floats, bounds: Rounding) -> tuple[Indices, Indices]:
-    """Which pairs to switch on and off at a point: (on, off).
+def ways(count: int) -> list[tuple[int, bool]]:
+    """How many of the surest switches to make, and whether as they are or the other way."""
+    fewer = sorted({count, -(-count // 4), 1}, reverse=True)
+    return [*((taken, True) for taken in fewer), (1, False)]
+
+
+def switches(search: Search, values: Floats, bounds: Rounding) -> tuple[Indices, Bools]:
+    """Which pairs to switch at a point, the surest first, and whether on (True) or off.
 
     In slots with too many running the weakest go; elsewhere what runs below its lowest power
-    goes to the nearer of off and on, the surest first.
+    goes to the nearer of off and on.
     """
     at, problem = search.relaxation.columns, search.problem
     power = values[: at.n_pairs]
     low = search.relaxation.charges.low_kw[at.vehicle]
     short, crowded = search.conflicts(values)
-    off: list[Indices] = []
+    weakest: list[Indices] = []
     for slot in np.flatnonzero(crowded):
         running = np.flatnonzero((at.slot == slot) & (power > RUNNING_KW))
         free = running[bounds.lower[running] == 0]
-        off.append(free[np.argsort(power[free], kind="stable")][: len(running) - problem.chargers])
+        surplus = len(running) - problem.chargers
+        weakest.append(free[np.argsort(power[free], kind="stable")][:surplus])
     weak = np.flatnonzero(short & ~crowded[at.slot])
-    share = power[weak] / low[weak]
-    on = weak[share >= 0.5][np.argsort(-share[share >= 0.5], kind="stable")]
-    if not crowded.any():
-        off.append(weak[share < 0.5])
-    return on, np.concatenate([np.empty(0, dtype=np.intp), *off])
+    if crowded.any():
+        weak = weak[power[weak] >= 0.5 * low[weak]]
+    pairs = np.concatenate([weak, *weakest])
+    share = power[pairs] / np.maximum(low[pairs], RUNNING_KW)
+    on = (share >= 0.5) & (np.arange(len(pairs)) < len(weak))
+    order = np.argsort(-np.where(on, share, 1 - share), kind="stable")
+    return pairs[order], on[order]

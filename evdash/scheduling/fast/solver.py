@@ -1,4 +1,4 @@
-"""P1 solved exactly and fast: relaxation, tree or master, recourse, at last everything at once.
+"""P1 solved exactly and fast: relaxation, contracts, recourse; what stays open all at once.
 
 Every stage works on one program, held open in HiGHS. A point is proven once it costs no more
 than TIE_USD above the bound, and the stages end there. Limits are numbers of branch-and-bound
@@ -10,18 +10,15 @@ import time
 import numpy as np
 
 from evdash.scheduling.fast.charges import charges_of
+from evdash.scheduling.fast.contracts import search_contracts
 from evdash.scheduling.fast.full import everything_open
 from evdash.scheduling.fast.master import contracts_chosen, relaxation_solved
 from evdash.scheduling.fast.recourse import schedule_for
 from evdash.scheduling.fast.relaxation import Relaxation, relaxation_of
 from evdash.scheduling.fast.relevance import charger_slots
 from evdash.scheduling.fast.search import WHOLE_U, Search
-from evdash.scheduling.fast.tree import search_contracts
 from evdash.scheduling.highs import LpPoint, Session
 from evdash.scheduling.problem import Problem, Solution
-
-REQUESTS = 60
-"""With more requests undecided they are a knapsack, which HiGHS does faster than the tree."""
 
 
 def solve_fast(problem: Problem, seconds: float) -> Solution:
@@ -36,13 +33,10 @@ def solved(relaxation: Relaxation, seconds: float) -> Solution:
     # a request worth less than the cent of proof is not turned away for it
     if root is None or (search.proven and nobody_new(relaxation, root)):
         return search.solution()
-    few = undecided(relaxation) <= REQUESTS
-    first, *others = (search_contracts, *AT_ONCE) if few else AT_ONCE
-    first(search, root)
-    for stage in others:
+    for stage in STAGES:
+        stage(search, root)
         if search.proven or search.out_of_time:
             break
-        stage(search, root)
     return search.solution()
 
 
@@ -66,13 +60,7 @@ def master_and_recourse(search: Search, root: LpPoint) -> None:
         schedule_for(search, u)
 
 
-AT_ONCE = (master_and_recourse, everything_open)
-
-
-def undecided(relaxation: Relaxation) -> int:
-    """How many requests could be served."""
-    u, program = relaxation.columns.u, relaxation.program
-    return int((program.lower[u] < program.upper[u]).sum())
+STAGES = (search_contracts, master_and_recourse, everything_open)
 
 
 def nobody_new(relaxation: Relaxation, root: LpPoint) -> bool:
