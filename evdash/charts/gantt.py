@@ -68,7 +68,7 @@ def gantt(
     return fixed_figure(
         traces,
         height_px,
-        {"l": 70, "r": 8, "t": 52, "b": 46},
+        {"l": 70, "r": 24, "t": 58, "b": 46},
         barmode="overlay",
         legend={**LEGEND, "font": {"size": FONT_PX - 1}},
         xaxis=time_axis(outlook, room=0.085),
