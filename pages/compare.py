@@ -5,6 +5,7 @@ import streamlit as st
 from evdash.ui import page
 from evdash.ui.compare import board, overlays
 from evdash.ui.compare.pins import current_pins, held_together
+from evdash.ui.race.panel import race_panel
 from evdash.ui.session import current
 
 page.by_way_of_app("pages/compare.py")
@@ -20,5 +21,6 @@ board.pinned(session, pins)
 board.how_far(held, pins)
 progress = st.container()
 overlays.comparison(held, base)
+race_panel(session)
 with progress:
     board.run_on(session, pins)

@@ -14,6 +14,7 @@ from evdash import __version__
 from evdash.cli.audit import audit
 from evdash.cli.export import add_export
 from evdash.cli.imports import add_import
+from evdash.cli.race import add_race
 from evdash.cli.run import run
 from evdash.cli.study import add_study
 from evdash.cli.validate import validate
@@ -70,6 +71,7 @@ def parser() -> argparse.ArgumentParser:
     add_export(commands, STATUSES)
     add_import(commands, STATUSES)
     add_study(commands, STATUSES)
+    add_race(commands, STATUSES)
     return top
 
 

@@ -28,6 +28,11 @@ class Rule:
     make: Callable[[Inputs], Policy]
     decide: Decide = certified_plan
 
+    @property
+    def keeps_limits(self) -> bool:
+        """Whether its plans count only if they keep every limit and contract."""
+        return self.decide is certified_plan
+
 
 RULES: Mapping[str, Rule] = {
     "p1": Rule(

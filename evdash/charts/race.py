@@ -1,0 +1,195 @@
+"""A race of policies in two pictures: what each earned, and what each drew from the feeder."""
+
+from collections.abc import Sequence
+from datetime import datetime
+from typing import Any
+
+from evdash.charts.style import (
+    BLUE,
+    CLEAR,
+    FONT_PX,
+    GREEN,
+    ORANGE,
+    OUTLINE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    YELLOW,
+    Figure,
+    clock,
+    figure,
+    safe,
+    stamp,
+    value_axis,
+)
+from evdash.policies.race import Lap, Race
+from evdash.policies.registry import RULES
+
+LOOKS = {
+    "oracle": (GREEN, "dash"),
+    "bid-price": (PURPLE, "solid"),
+    "p1": (BLUE, "solid"),
+    "p1-plain": (BLUE, "dot"),
+    "llf": (SKY, "dashdot"),
+    "edf": (ORANGE, "dashdot"),
+    "fcfs": (YELLOW, "dashdot"),
+    "uncoordinated": (VERMILLION, "dot"),
+}
+"""Colour and dash of each policy, the same in every picture."""
+ROW_PX, BARS_PX, LINES_PX = 40, 130, 380
+BREAKS = "breaks limits"
+
+
+def profit_figure(race: Race) -> Figure:
+    """A bar for each policy's profit, most first; a line at what nobody within limits can exceed.
+
+    Hatched is who keeps no limits: what it earns, it takes from the feeder.
+    """
+    laps = sorted(race.laps, key=lambda lap: lap.service.profit)
+    bars = {
+        "type": "bar",
+        "orientation": "h",
+        "y": [safe(_name(lap)) for lap in laps],
+        "x": [round(lap.service.profit, 2) for lap in laps],
+        "text": [safe(profit_told(lap)) for lap in laps],
+        "textposition": "outside",
+        "cliponaxis": False,
+        "marker": {
+            "color": [LOOKS[lap.policy][0] for lap in laps],
+            "pattern": {
+                "shape": ["" if lap.keeps_limits else "/" for lap in laps],
+                "bgcolor": CLEAR,
+                "fgopacity": 0.9,
+            },
+            "line": {"color": OUTLINE, "width": 1},
+        },
+        "hovertemplate": "%{y}: %{text}<extra></extra>",
+    }
+    most = race.most_profit
+    return figure(
+        [bars],
+        BARS_PX + ROW_PX * max(1, len(laps)),
+        showlegend=False,
+        xaxis=value_axis("Profit of the day, $", range=_reach(race)),
+        yaxis={"automargin": True, "ticksuffix": "  "},
+        shapes=[] if most is None else [_line_at(most)],
+        annotations=[] if most is None else [_most_told(most)],
+    )
+
+
+def _reach(race: Race) -> list[float]:
+    """From zero or below to beyond the longest bar, with room for what is written behind it."""
+    profits = [0.0, race.most_profit or 0.0, *(lap.service.profit for lap in race.laps)]
+    room = 0.3 * max(1.0, max(profits) - min(profits))
+    return [min(profits) - (room if min(profits) < 0 else 0.0), max(profits) + room]
+
+
+def _name(lap: Lap) -> str:
+    return lap.title if lap.keeps_limits else f"{lap.title} ({BREAKS})"
+
+
+def profit_told(lap: Lap) -> str:
+    """Profit, and its share of the proven most where it is one."""
+    share, profit = lap.service.profit_of_best, lap.service.profit
+    told = f"{'−' if profit < 0 else ''}${abs(profit):,.2f}"
+    return told if share is None or not lap.keeps_limits else f"{told}, {100 * share:.1f} %"
+
+
+def _line_at(most: float) -> dict[str, Any]:
+    line = {"color": VERMILLION, "width": 2, "dash": "dash"}
+    return {"type": "line", "x0": most, "x1": most, "yref": "paper", "y0": 0, "y1": 1, "line": line}
+
+
+def _most_told(most: float) -> dict[str, Any]:
+    return {
+        "x": most,
+        "y": 1,
+        "yref": "paper",
+        "yanchor": "bottom",
+        "xanchor": "right",
+        "showarrow": False,
+        "text": safe(f"most within the limits: ${most:,.2f}"),
+        "font": {"size": FONT_PX, "color": VERMILLION},
+    }
+
+
+def profit_alt(race: Race) -> str:
+    """The bars in one sentence."""
+    told = ", ".join(f"{lap.title} {profit_told(lap)}" for lap in race.laps)
+    most = "" if race.most_profit is None else f" Most within the limits ${race.most_profit:,.2f}."
+    return f"Profit of the day by policy: {told}.{most}"
+
+
+def load_figure(race: Race, policies: Sequence[str]) -> Figure:
+    """Station load of some policies over the clock, and the headroom the feeder leaves."""
+    times = race.times
+    room = _steps(times, race.headroom_kw, "Headroom", OUTLINE, "solid")
+    room |= {"fill": "tozeroy", "fillcolor": "rgba(128,128,128,0.12)"}
+    lines = [
+        _steps(times, lap.station_kw, RULES[name].title, *LOOKS[name])
+        for name in policies
+        for lap in [race.lap(name)]
+        if lap is not None
+    ]
+    over_a_day = (times[-1] - times[0]).total_seconds() > 24 * 3600
+    return figure(
+        [room, *lines],
+        LINES_PX,
+        hovermode="x unified",
+        showlegend=True,
+        xaxis={
+            "type": "date",
+            "title": {"text": "Clock time"},
+            "tickformat": "%H:%M\n%d %b" if over_a_day else "%H:%M",
+            "range": [stamp(times[0]), stamp(times[-1])],
+        },
+        yaxis=value_axis("Station load, kW", rangemode="tozero"),
+    )
+
+
+def _steps(
+    times: Sequence[datetime],
+    values: Sequence[float | None],
+    name: str,
+    colour: str,
+    dash: str,
+) -> dict[str, Any]:
+    held = [None if value is None else round(value, 3) for value in values]
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": safe(name),
+        "x": [stamp(moment) for moment in times],
+        "y": [*held, held[-1] if held else None],
+        "line": {"shape": "hv", "color": colour, "dash": dash, "width": 2.5},
+        "hovertemplate": "%{y:,.1f} kW",
+    }
+
+
+def load_alt(race: Race, policies: Sequence[str]) -> str:
+    """Peaks, and where the headroom is passed, in words."""
+    told = []
+    for name in policies:
+        lap = race.lap(name)
+        if lap is None:
+            continue
+        over = sum(
+            room is not None and kw > room + 1e-3
+            for kw, room in zip(lap.station_kw, race.headroom_kw, strict=True)
+        )
+        beyond = f", above the headroom in {over} intervals" if over else ""
+        told.append(f"{lap.title} up to {max(lap.station_kw):,.1f} kW{beyond}")
+    return f"Station load over the clock against the headroom: {'; '.join(told)}."
+
+
+def load_rows(race: Race) -> list[dict[str, object]]:
+    """Station load of every policy as rows of a table, kW."""
+    rows: list[dict[str, object]] = []
+    for t, room_kw in enumerate(race.headroom_kw):
+        row: dict[str, object] = {"From": clock(race.times[t]), "Headroom, kW": _rounded(room_kw)}
+        rows.append(row | {f"{lap.policy}, kW": _rounded(lap.station_kw[t]) for lap in race.laps})
+    return rows
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 1)

@@ -1,0 +1,123 @@
+"""`race`: several policies on the same day, their figures side by side."""
+
+import argparse
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from evdash.cli.progress import progress_bar
+from evdash.errors import Fault, InputError
+from evdash.files.bundled import DEFAULT
+from evdash.files.overrides import Setting, parse_settings
+from evdash.files.race_folder import check_place, write_race
+from evdash.files.scenario_folder import read_scenario
+from evdash.horizon.inputs import prepare
+from evdash.horizon.networks import NETWORKS
+from evdash.policies.race import CONTESTANTS, Race, Told, race
+from evdash.policies.race_words import race_sentences, race_table
+from evdash.policies.registry import RULES
+
+BROKEN = 3
+TABLE_WIDTH = 132
+
+
+def add_race(
+    commands: "argparse._SubParsersAction[argparse.ArgumentParser]", statuses: str
+) -> None:
+    """The command and its options."""
+    command = commands.add_parser(
+        "race",
+        help="race policies on the same day and compare what comes of it",
+        description="Run the same scenario, arrivals and events once for each policy, and print "
+        "their figures side by side; what knowing who will come is worth is told in $.",
+        epilog=f"{statuses}, by a policy that is to keep them",
+    )
+    command.add_argument(
+        "scenario",
+        nargs="?",
+        type=Path,
+        metavar="SCENARIO",
+        help="a scenario folder or a .zip of one; without it the bundled IEEE 13-node day",
+    )
+    command.add_argument("--seed", type=int, metavar="N", help="seed of the random arrivals")
+    command.add_argument(
+        "--policies",
+        nargs="+",
+        choices=list(RULES),
+        metavar="NAME",
+        help=f"who takes part, of {', '.join(RULES)} (default: all but p1-plain, which decides "
+        "as p1 does and takes minutes)",
+    )
+    command.add_argument(
+        "--network",
+        choices=list(NETWORKS),
+        default="lindistflow",
+        help="model of the feeder whose limits are kept (default: lindistflow)",
+    )
+    command.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        dest="settings",
+        metavar="KEY=VALUE",
+        help="a key of scenario.toml, as for run; may be given again",
+    )
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="write policies.csv, intervals.csv and race.json to this folder",
+    )
+    command.add_argument(
+        "--force", action="store_true", help="replace an earlier race in the --out folder"
+    )
+    command.set_defaults(command=run_race)
+
+
+def run_race(options: argparse.Namespace) -> int:
+    """Race; 3 if a policy that is to keep limits and promises broke one, 0 otherwise."""
+    if options.out is not None:
+        check_place(options.out, options.force)
+    settings = parse_settings(options.settings)
+    if options.seed is not None:
+        settings += (Setting("arrivals.seed", options.seed),)
+    inputs = prepare(read_scenario(options.scenario or DEFAULT, settings), options.network)
+    with progress_bar() as progress:
+        task = progress.add_task("preparing", total=None)
+
+        def told(now: Told) -> None:
+            what = RULES[now.policy].title
+            progress.update(task, description=what, completed=now.done, total=now.total)
+
+        found = race(inputs, options.policies or CONTESTANTS, told)
+    if options.policies and found.absent:
+        raise InputError(
+            [Fault(f"--policies {name}", "cannot run", why) for name, why in found.absent.items()]
+        )
+    if options.out is not None:
+        write_race(options.out, found)
+    print_race(found, options.out)
+    return BROKEN if any(not lap.is_sound for lap in found.laps) else 0
+
+
+def print_race(found: Race, out: Path | None) -> None:
+    """The race to standard output: figures down, policies across."""
+    console = Console(highlight=False)
+    console.width = max(console.width, TABLE_WIDTH)  # a piped table must not lose its figures
+    title = f"[bold]{escape(found.scenario)}[/]  {found.start:%Y-%m-%d %H:%M}"
+    console.print(f"\n{title}, {found.network}, seed {found.seed}")
+    table = Table(box=None, header_style="bold", pad_edge=False, padding=(0, 1))
+    table.add_column("", no_wrap=True)
+    for lap in found.laps:
+        table.add_column(lap.policy, justify="right", no_wrap=True)
+    for head, cells in race_table(found):
+        table.add_row(escape(head), *cells)
+    console.print(table)
+    for name, why in found.absent.items():
+        console.print(f"[yellow]{name} did not take part:[/] {escape(why)}", soft_wrap=True)
+    for sentence in race_sentences(found):
+        console.print(escape(sentence), soft_wrap=True)
+    if out is not None:
+        console.print(f"written to {escape(str(out))}", soft_wrap=True)

@@ -1,0 +1,62 @@
+"""The race on the Compare page, without a browser: started, watched, told; and stopped."""
+
+import time
+
+from streamlit.testing.v1 import AppTest
+
+from evdash.ui.race.racing import KEY, Racing
+from tests.app.test_compare_page import opened, press, session, texts
+
+PATIENCE_SECONDS = 240
+
+
+def racing(at: AppTest) -> Racing:
+    found: Racing = at.session_state[KEY]
+    return found
+
+
+def choose(at: AppTest, *names: str) -> AppTest:
+    at.pills(key="race_policies").set_value(list(names)).run()
+    assert not at.exception
+    return at
+
+
+def until_done(at: AppTest) -> AppTest:
+    until = time.monotonic() + PATIENCE_SECONDS
+    while racing(at).is_running and time.monotonic() < until:
+        time.sleep(0.3)
+        at.run()
+        assert not at.exception
+    return at.run()
+
+
+def test_a_race_runs_beside_the_page_and_is_told() -> None:
+    at = choose(opened(), "p1", "llf", "uncoordinated")
+    before = session(at).run
+    press(at, "race_start")
+    assert racing(at).is_running
+    until_done(at)
+    assert racing(at).said == ""
+    found = racing(at).finished
+    assert found is not None
+    assert [lap.policy for lap in found.race.laps] == ["p1", "llf", "uncoordinated"]
+    assert session(at).run is before  # the present run stays as it was
+    told = texts(at).replace("\\", "")
+    assert "Least laxity first" in told
+    assert "Profit, $" in told
+    assert "In full AC power flow, uncoordinated charging" in told
+    session(at).edit("fewer chargers", {"station.chargers": 6})
+    at.run()
+    assert "other inputs by now" in texts(at)
+
+
+def test_a_race_can_be_stopped() -> None:
+    at = choose(opened(), "oracle", "bid-price")
+    press(at, "race_start")
+    process = racing(at)._process
+    press(at, "race_stop")
+    assert process is not None
+    assert process.poll() is not None
+    assert not racing(at).is_running
+    assert racing(at).finished is None
+    assert at.button(key="race_start")
