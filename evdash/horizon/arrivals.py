@@ -46,9 +46,8 @@ def minute_rates(scenario: Scenario, statistics: ArrivalStatistics, interval: in
     """Mean arrivals in each minute of an interval, shape (interval_minutes,)."""
     share = np.array(statistics.hourly_share) / sum(statistics.hourly_share)
     begin = scenario.time_of(interval)
-    hours = [
-        (begin + timedelta(minutes=minute)).hour for minute in range(scenario.interval_minutes)
-    ]
+    minutes = 60 * begin.hour + begin.minute + np.arange(scenario.interval_minutes)
+    hours = minutes // 60 % 24
     return np.asarray(statistics.vehicles_per_day * share[hours] / 60)
 
 

@@ -1,12 +1,14 @@
 """Who does the runs: this machine's cores or a cluster, both through joblib."""
 
 import os
+import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
+from joblib.externals.loky import process_executor
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from evdash.domain.study import Result
@@ -82,7 +84,24 @@ def _parallel(tasks: Iterable[Task], workers: int, do: Work) -> Iterator[Result]
         inner_max_num_threads=1,
         initializer=leave_interrupts,
     )
-    yield from crew(delayed(do)(task) for task in tasks)
+    with _hushed():
+        yield from crew(delayed(do)(task) for task in tasks)
+
+
+@contextmanager
+def _hushed() -> Iterator[None]:
+    """Keep to itself what loky's own thread trips over when it is stopped at its work."""
+    told = threading.excepthook
+
+    def tell(found: threading.ExceptHookArgs) -> None:
+        if type(found.thread).__module__ != process_executor.__name__:
+            told(found)
+
+    threading.excepthook = tell
+    try:
+        yield
+    finally:
+        threading.excepthook = told
 
 
 def _alone(task: Task, do: Work) -> Result:

@@ -1,15 +1,18 @@
 """Whose studies a tab shows: those begun from it, or named by its address."""
 
 import re
+from typing import TYPE_CHECKING
 
 import streamlit as st
 
 from evdash.domain.scenario import Scenario
 from evdash.store.place import store_directory
 from evdash.store.runs import new_link
-from evdash.studies.shelf import Shelf
 from evdash.ui.scenario.editor import present_scenario
 from evdash.ui.session import Session
+
+if TYPE_CHECKING:
+    from evdash.studies.shelf import Shelf
 
 OWNER = "studies"
 """What the address calls somebody's studies."""
@@ -27,7 +30,7 @@ def keep_address() -> None:
         st.query_params[OWNER] = shelf.owner
 
 
-def current_shelf() -> Shelf:
+def current_shelf() -> "Shelf":
     """This tab's studies."""
     if KEY not in st.session_state:
         st.session_state[KEY] = _shelf(new_link())
@@ -40,5 +43,8 @@ def base_of(session: Session) -> Scenario:
     return present_scenario(session)
 
 
-def _shelf(owner: str) -> Shelf:
+def _shelf(owner: str) -> "Shelf":
+    # what studies are made of takes a second to import, and no first page is to wait for it
+    from evdash.studies.shelf import Shelf  # noqa: PLC0415
+
     return Shelf(store_directory() / "studies", owner)
