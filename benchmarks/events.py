@@ -22,7 +22,7 @@ from rich.table import Table
 
 from benchmarks.random_days import random_scenario
 from benchmarks.random_events import random_events
-from benchmarks.recourse_by_milp import BOTH, Least, claims_of, least_of, most_more
+from benchmarks.recourse_by_milp import BOTH, OTHER, Least, claims_of, least_of, most_more
 from benchmarks.soundness import problems_of_step
 from evdash.domain.trace import Happening, State, Trace
 from evdash.horizon.day import start_day, step
@@ -78,7 +78,9 @@ def judge(result: Result, trace: Trace, before: State) -> None:
     at = f"interval {happening.interval}"
     claims = claims_of(inputs, before, happening.events)
     least = least_of(inputs, happening.interval, claims)
-    if least is not None and not _same(least, happening):
+    if least is None:
+        least = least_of(inputs, happening.interval, claims, OTHER)
+    elif not _same(least, happening):
         least = least_of(inputs, happening.interval, claims, BOTH)
     if least is None:
         result.counts["not worked again in time"] += 1

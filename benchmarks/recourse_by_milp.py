@@ -18,7 +18,7 @@ from evdash.domain.vehicles import Contract
 
 HAIR = 1e-6
 SECONDS = 60.0
-ONE, BOTH = (True,), (True, False)
+ONE, OTHER, BOTH = (True,), (False,), (True, False)
 
 
 @dataclass(frozen=True)

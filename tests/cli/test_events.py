@@ -17,6 +17,12 @@ BREAKING = HEADER + (
 DRIVERS = HEADER + (
     "1,no_show,V0,,,\n1,leaves_early,V1,,,1\n1,asks_more,V2,1,,\n2,late,V3,,3,\n1,asks_more,V4,1,,\n"
 )
+EDGES = HEADER + (
+    "0,load_factor,,1.1,,\n0,asks_more,V0,1,,\n1,rating,line:s-a,75,,\n1,chargers_fail,,1,,\n"
+    "1,chargers_return,,1,,\n1,late,V1,,2,\n1,no_show,V1,,,\n2,rating,line:s-a,0,,\n"
+    "3,rating,line:s-a,90,,\n3,chargers,,0,,\n3,leaves_early,V9,,,3\n"
+)
+"""In the first interval and the last, many in one, of vehicles without a contract."""
 
 
 @pytest.fixture
@@ -96,6 +102,22 @@ def test_a_run_with_events_is_run_again_from_its_own_files(broken_run, command, 
     command("run", broken_run / "scenario", "--out", again)
     for name in ("ledger.csv", "vehicles.csv", "power.csv", "voltages.csv"):
         assert (broken_run / name).read_bytes() == (again / name).read_bytes()
+
+
+@pytest.mark.parametrize("network", ["lindistflow", "ac"])
+def test_events_at_both_ends_and_many_at_once_are_audited_and_run_again(
+    with_events, command, tmp_path, network
+):
+    first, again = tmp_path / "first", tmp_path / "again"
+    status, _, _ = command("run", with_events(EDGES), "--network", network, "--out", first)
+    short = any(row["status"] == "short" for row in ledger_of(first).values())
+    assert status == (3 if short else 0)
+    assert command("run", first / "scenario", "--network", network, "--out", again)[0] == status
+    for name in ("ledger.csv", "vehicles.csv", "power.csv", "voltages.csv"):
+        assert (first / name).read_bytes() == (again / name).read_bytes()
+    audited, told, _ = command("audit", first)
+    assert audited == status
+    assert all("a broken promise" in line for line in told.splitlines() if "✗" in line)
 
 
 @pytest.mark.parametrize(
