@@ -9,6 +9,8 @@ from evdash.domain.outlook import Outlook
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 INK = {"light": "#1f2430", "dark": "#e8eaf0"}
+LAST_TICK_PX = 28
+"""Room on the right for half of the last clock time."""
 GRID = {"light": "rgba(31,36,48,0.14)", "dark": "rgba(232,234,240,0.18)"}
 
 
@@ -46,7 +48,8 @@ def of_finished_day(figure: Figure, outlook: Outlook) -> Figure:
         if part in layout
     }
     traces = [trace for trace in figure["data"] if not _is_blank(trace)]
-    return {**figure, "data": traces, "layout": {**layout, **kept}}
+    margin = layout["margin"] | {"r": max(LAST_TICK_PX, layout["margin"]["r"])}
+    return {**figure, "data": traces, "layout": {**layout, **kept, "margin": margin}}
 
 
 def _is_blank(trace: dict[str, Any]) -> bool:

@@ -13,16 +13,25 @@ from evdash.charts.feeder_moment import Moment, feeder_alt, feeder_table, lines_
 from evdash.charts.headroom import headroom_alt, headroom_figure, headroom_table
 from evdash.charts.hot_spot import hot_spot_alt, hot_spot_figure, hot_spot_table
 from evdash.charts.load import load_alt, load_table, units_figure
-from evdash.charts.schedule import schedule_alt, schedule_figure, schedule_table
+from evdash.charts.schedule import GANTT_MOST, schedule_alt, schedule_figure, schedule_table
 from evdash.charts.standalone import of_finished_day
 from evdash.charts.style import Figure, spans
 from evdash.charts.voltages import voltages_alt, voltages_figure, voltages_table
 from evdash.explain.words import element_name
 from evdash.metrics.feeder import flows, gaps
+from evdash.metrics.totals import totals
 from evdash.reports.account import Account
 from evdash.reports.tables import Row
 
 AS_TABLE = "As a table"
+AS_BARS = (
+    "A row a vehicle under contract. Outlined: from its arrival to its promised return. Solid: "
+    "charged, the thicker, the higher the power. At the end: how much of the promise it got."
+)
+AS_MAP = (
+    "A row a vehicle under contract. Pale: from its arrival to its promised return. Coloured: the "
+    "power it was charged with."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +56,7 @@ def schedule_chart(account: Account) -> Chart:
     return Chart(
         "schedule",
         "Charging schedule",
-        "A row a vehicle under contract. Outlined: from its arrival to its promised return. "
-        "Solid: charged, the thicker, the higher the power. At the end: how much of the promise "
-        "it got.",
+        AS_BARS if totals(trace).admitted <= GANTT_MOST else AS_MAP,
         of_finished_day(schedule_figure(trace, ahead), ahead),
         schedule_alt(trace, ahead),
         {AS_TABLE: schedule_table(trace, ahead)},
@@ -158,7 +165,7 @@ def hot_spot_chart(account: Account) -> Chart | None:
         "hot_spot",
         "The transformer's hot spot",
         "Worked out by the minute from the AC load of each interval.",
-        hot_spot_figure(*parts),
+        of_finished_day(hot_spot_figure(*parts), account.outlook),
         hot_spot_alt(*parts),
         {AS_TABLE: hot_spot_table(*parts)},
     )

@@ -16,6 +16,8 @@ from evdash.reports.words import limit_lines, money, period, promises_line
 
 HERE = Path(__file__).parent / "page"
 MINUS = "\u2212"
+SMALL = 1e-4
+"""Smaller numbers would be told with an exponent."""
 
 
 def report_html(account: Account) -> str:
@@ -89,5 +91,8 @@ def cell(value: object) -> str:
     if isinstance(value, int) and not isinstance(value, bool):
         return f"{value:,}".replace("-", MINUS)
     if isinstance(value, float):
-        return f"{value:,.10g}".replace("-", MINUS)
+        shown = (
+            f"{value:,.10g}" if abs(value) >= SMALL or not value else f"{value:.10f}".rstrip("0")
+        )
+        return shown.replace("-", MINUS)
     return str(value)

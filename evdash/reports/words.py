@@ -100,7 +100,8 @@ def _worst(found: list[Violation], scenario: Scenario) -> str:
     """The longest of several violations in a few words."""
     first = max(found, key=lambda one: (len(one.intervals), one.depth))
     hours = scenario.interval_hours * len(first.intervals)
-    rest = f", and {len(found) - 1:,} more" if len(found) > 1 else ""
+    others = len({one.element for one in found}) - 1
+    rest = f", and {others:,} more" if others else ""
     beyond = f"by up to {depth_words(first.depth, first.unit)} for {hours:g} h"
     return f"{element_name(first.element)} {beyond}{rest}"
 

@@ -108,6 +108,12 @@ def test_plotly_is_there_once_and_every_chart_has_its_figure_and_words(page):
     assert all(len(a["aria-label"]) > 40 for a in charts)
 
 
+def test_no_two_parts_go_by_one_name_and_every_link_leads_somewhere(page):
+    names = [a["id"] for _, a in page.tags if "id" in a]
+    assert len(names) == len(set(names))
+    assert {a["href"].removeprefix("#") for tag, a in page.tags if tag == "a"} <= set(names)
+
+
 def test_a_users_text_stays_text(hostile):
     text = report_html(hostile)
     page = read(text)
@@ -175,7 +181,15 @@ def test_a_day_that_is_not_over_is_refused():
 
 @pytest.mark.parametrize(
     ("value", "shown"),
-    [(None, ""), (1234, "1,234"), (-0.5, "\u22120.5"), ("=1+1", "=1+1"), (12345.6, "12,345.6")],
+    [
+        (0.0, "0"),
+        (None, ""),
+        (1234, "1,234"),
+        (-0.5, "\u22120.5"),
+        ("=1+1", "=1+1"),
+        (12345.6, "12,345.6"),
+        (3e-5, "0.00003"),
+    ],
 )
 def test_cells(value, shown):
     assert cell(value) == shown

@@ -2,8 +2,8 @@
 (() => {
   "use strict";
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
-  const figures = read("figures");
-  const templates = read("templates");
+  const figures = read("data-figures");
+  const templates = read("data-templates");
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   /* Set smaller on paper by the style sheet, so that labels keep their room. */
   const PAPER_PX = { usual: 825, wide: 960 };
