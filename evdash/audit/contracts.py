@@ -57,7 +57,7 @@ def _vehicle_findings(run: RunRecord, arrival: Arrival, row: VehicleRow) -> Iter
             yield f"{name}: {told} is {value:g}, worked out again {right:g}"
     if row.option != arrival.option:
         yield f"{name}: option is {row.option}, arrivals.csv says {arrival.option}"
-    own = events_of(scenario, name)
+    own = events_of(scenario, name, row.arrival_interval)
     yield from _fate_findings(row, own, need, delivered, option.price_per_kwh)
     # what is still owed at any time is at least what was still to come
     owed = delivered if row.status in ("broken", "released") or own else need

@@ -79,9 +79,11 @@ def _rated(scenario: Scenario, interval: int) -> Scenario:
     return scenario.replacing(lines=tuple(lines), nodes=tuple(nodes))
 
 
-def events_of(scenario: Scenario, vehicle: str) -> list[Event]:
-    """What the driver of a vehicle changed, in order."""
-    return [e for e in known_by(scenario, scenario.intervals) if e.vehicle == vehicle]
+def events_of(scenario: Scenario, vehicle: str, decided: int) -> list[Event]:
+    """What the driver of a vehicle changed, in order, once a contract made in interval `decided`
+    was there to be changed; what is known earlier changes nothing."""
+    known = known_by(scenario, scenario.intervals)
+    return [e for e in known if e.vehicle == vehicle and e.interval > decided]
 
 
 def is_there(own: list[Event], interval: int) -> bool:

@@ -24,7 +24,7 @@ def ledger_findings(run: RunRecord) -> Iterator[str]:
 
 
 def _entry_findings(run: RunRecord, row: LedgerRow, vehicle: VehicleRow) -> Iterator[str]:
-    name, own = row.vehicle, events_of(run.scenario, row.vehicle)
+    name, own = row.vehicle, events_of(run.scenario, row.vehicle, vehicle.arrival_interval)
     asked = sum(event.value or 0.0 for event in own if event.event == "asks_more")
     least = 0.0 if any(event.event in CUTS for event in own) else vehicle.need_kwh
     for told, value, right in (

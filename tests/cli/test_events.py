@@ -24,6 +24,8 @@ EDGES = HEADER + (
 )
 """In the first interval and the last, many in one, of vehicles without a contract."""
 
+EARLY = HEADER + "0,no_show,V0,,,\n0,late,V1,,3,\n"
+
 
 @pytest.fixture
 def with_events(small_scenario: Path, tmp_path: Path):
@@ -97,6 +99,14 @@ def test_what_drivers_change_breaks_no_promise(with_events, command, tmp_path):
     assert command("audit", out)[0] == 0
 
 
+def test_what_is_told_before_there_is_a_contract_changes_nothing(with_events, command, tmp_path):
+    out = tmp_path / "run"
+    assert command("run", with_events(EARLY), "--out", out)[0] == 0
+    assert {row["status"] for row in ledger_of(out).values()} == {"kept"}
+    status, said, _ = command("audit", out)
+    assert status == 0, said
+
+
 def test_a_run_with_events_is_run_again_from_its_own_files(broken_run, command, tmp_path):
     again = tmp_path / "again"
     command("run", broken_run / "scenario", "--out", again)
@@ -151,12 +161,12 @@ def test_every_untruth_is_found(broken_copy, command, change_of, told):
 def test_charging_while_away_is_found(with_events, command, tmp_path):
     out = tmp_path / "run"
     command("run", with_events(DRIVERS), "--out", out)
-    change(out / "scenario" / "events.csv", replaced("interval", "0", "V2"))
-    change(out / "scenario" / "events.csv", replaced("event", "no_show", "V2"))
-    change(out / "scenario" / "events.csv", replaced("value", "", "V2"))
+    change(out / "scenario" / "events.csv", replaced("interval", "2", "V4"))
+    change(out / "scenario" / "events.csv", replaced("event", "no_show", "V4"))
+    change(out / "scenario" / "events.csv", replaced("value", "", "V4"))
     status, printed, _ = command("audit", out)
     assert status == 3
-    assert "V2: charges at" in printed
+    assert "V4: charges at" in printed
     assert "when it is away" in printed
 
 
