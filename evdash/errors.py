@@ -8,13 +8,32 @@ class EvdashError(Exception):
     """Base of every error evdash raises on purpose."""
 
 
+LONGEST = 300
+
+
+def legible(text: str) -> str:
+    """Text from outside fit for a message: nothing unprintable, and of bounded length."""
+    short = text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
+    return "".join(
+        c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode()
+        for c in short
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One thing wrong with the input: where it stands, what was found, what is allowed."""
+    """One thing wrong with the input: where it stands, what was found, what is allowed.
+
+    All three are made legible, as they may quote whatever the input holds.
+    """
 
     place: str
     found: str
     allowed: str
+
+    def __post_init__(self) -> None:
+        for part in ("place", "found", "allowed"):
+            object.__setattr__(self, part, legible(getattr(self, part)))
 
     def __str__(self) -> str:
         return f"{self.place}: found {self.found}; {self.allowed}"

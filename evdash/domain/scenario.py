@@ -28,6 +28,9 @@ from evdash.domain.fields import (
 
 LOCAL_TIME_FORMAT = "%Y-%m-%dT%H:%M"
 FIRST_YEAR, LAST_YEAR = 1900, 2999
+MOST_NODES, MOST_OPTIONS, MOST_MODELS = 5_000, 100, 10_000
+MOST_VEHICLES, MOST_EVENTS = 100_000, 10_000
+"""Sizes beyond which a day would fill the memory of an ordinary machine."""
 
 
 def _local_time(value: object) -> object:
@@ -202,7 +205,9 @@ class ArrivalStatistics(Record):
     soc_out: tuple[
         Annotated[Number, Field(ge=0.01, le=1)], Annotated[Number, Field(ge=0.01, le=1)]
     ] = declare("Range of the state of charge wanted, [low, high]", "0 to 1", (0.8, 1.0))
-    fleet: tuple[FleetModel, ...] = declare("Vehicle models drawn from", "", (), min_length=1)
+    fleet: tuple[FleetModel, ...] = declare(
+        "Vehicle models drawn from", "", (), min_length=1, max_length=MOST_MODELS
+    )
 
 
 class GeneratedArrivals(ArrivalStatistics):
@@ -214,7 +219,7 @@ class GeneratedArrivals(ArrivalStatistics):
 class RecordedArrivals(Record):
     """Arrivals given one by one, and what a policy may know of their statistics."""
 
-    vehicles: tuple[Arrival, ...] = ()
+    vehicles: tuple[Arrival, ...] = Field(default=(), max_length=MOST_VEHICLES)
     seed: Count | None = declare_optional("Seed of what a policy samples", "", ge=0, le=2**63 - 1)
     forecast: ArrivalStatistics | None = None
 
@@ -245,13 +250,21 @@ class Scenario(Record):
     )
     feeder: Feeder
     station: Station
-    option: tuple[PriceOption, ...] = declare("Price options", "", (), min_length=1)
+    option: tuple[PriceOption, ...] = declare(
+        "Price options", "", (), min_length=1, max_length=MOST_OPTIONS
+    )
     arrivals: Arrivals
-    nodes: tuple[Node, ...] = declare("Nodes of the feeder", "", (), min_length=2)
-    lines: tuple[Line, ...] = declare("Lines of the feeder", "", (), min_length=1)
+    nodes: tuple[Node, ...] = declare(
+        "Nodes of the feeder", "", (), min_length=2, max_length=MOST_NODES
+    )
+    lines: tuple[Line, ...] = declare(
+        "Lines of the feeder", "", (), min_length=1, max_length=MOST_NODES
+    )
     profile: tuple[ProfileRow, ...] = declare("Conditions by interval", "", (), min_length=1)
     events: tuple[Event, ...] = Field(
-        default=(), description="What happens on the way, known only from its interval on"
+        default=(),
+        max_length=MOST_EVENTS,
+        description="What happens on the way, known only from its interval on",
     )
 
     @cached_property

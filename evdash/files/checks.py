@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 
 from evdash.domain.scenario import (
+    MOST_VEHICLES,
     ArrivalStatistics,
     GeneratedArrivals,
     RecordedArrivals,
@@ -18,7 +19,11 @@ from evdash.domain.scenario import (
 from evdash.grid.radial import topology_problems
 
 Place = tuple[str | int, ...]
+EVERY = -1
+"""In the place of a row: every row there is, as many checks draw on a column as a whole."""
 SUM_TOLERANCE = 1e-6
+MOST_CELLS = 5_000_000
+"""Intervals times nodes; the feeder's arrays have so many numbers each."""
 LEAST_OHM = 1e-6
 LEAST_SOC = 1e-4
 """A wish smaller than this is none, and would be a contract of no interval at all."""
@@ -46,6 +51,25 @@ def interval_length(scenario: Scenario) -> Iterator[Problem]:
             f"{scenario.interval_minutes}",
             "should divide 60: 5, 6, 10, 12, 15, 20, 30 or 60 min",
         )
+
+
+def size(scenario: Scenario) -> Iterator[Problem]:
+    cells = scenario.intervals * len(scenario.nodes)
+    if cells > MOST_CELLS:
+        yield Problem(
+            (("intervals",), ("nodes",)),
+            f"{scenario.intervals} intervals for {len(scenario.nodes)} nodes",
+            f"should be at most {MOST_CELLS:,} in all, intervals times nodes",
+        )
+    known = scenario.arrivals
+    if isinstance(known, GeneratedArrivals):
+        expected = known.vehicles_per_day * scenario.arrivals_end * scenario.interval_hours / 24
+        if expected > MOST_VEHICLES:
+            yield Problem(
+                (("arrivals", "vehicles_per_day"), ("intervals",), ("arrivals_until",)),
+                f"{known.vehicles_per_day:g}, or {expected:,.0f} vehicles in all",
+                f"should be at most {MOST_VEHICLES:,} in all",
+            )
 
 
 def arrivals_end(scenario: Scenario) -> Iterator[Problem]:
@@ -98,7 +122,7 @@ def unique_names(scenario: Scenario) -> Iterator[Problem]:
 def known_nodes(scenario: Scenario) -> Iterator[Problem]:
     nodes = {node.node for node in scenario.nodes}
     source, station = scenario.feeder.source_node, scenario.station.node
-    node_names = _column("nodes", len(scenario.nodes), "node")
+    node_names = _column("nodes", "node")
     named: list[tuple[Place, str]] = [
         (("feeder", "source_node"), source),
         (("station", "node"), station),
@@ -111,7 +135,7 @@ def known_nodes(scenario: Scenario) -> Iterator[Problem]:
     for place, name in named:
         if name not in nodes:
             rule = "should be a node of nodes.csv"
-            yield Problem((place, *node_names), repr(name), rule)
+            yield Problem((place, node_names), repr(name), rule)
     if station == source:
         yield Problem(
             (("station", "node"), ("feeder", "source_node")),
@@ -127,9 +151,9 @@ def radial_topology(scenario: Scenario) -> Iterator[Problem]:
     if not (ends | {source}) <= nodes:
         return  # told by `known_nodes`
     drawn_on = (
-        *_column("nodes", len(scenario.nodes), "node"),
-        *_column("lines", len(scenario.lines), "from_node"),
-        *_column("lines", len(scenario.lines), "to_node"),
+        _column("nodes", "node"),
+        _column("lines", "from_node"),
+        _column("lines", "to_node"),
         ("feeder", "source_node"),
     )
     for row, found, allowed in topology_problems(scenario.nodes, scenario.lines, source):
@@ -159,18 +183,17 @@ def profile_rows(scenario: Scenario) -> Iterator[Problem]:
     yield from _repeated(listed, [("profile", i, "interval") for i in range(len(listed))])
     missing = sorted(set(range(scenario.intervals)) - set(listed))
     if missing:
-        places = _column("profile", len(listed), "interval")
         yield Problem(
-            (("profile",), ("intervals",), *places),
+            (("profile",), ("intervals",), _column("profile", "interval")),
             f"no row for interval {_spans(missing)}",
             f"should have one row for each of the {scenario.intervals} intervals",
         )
-    generating = _column("nodes", len(scenario.nodes), "generation_kw")
+    generating = _column("nodes", "generation_kw")
     if any(node.generation_kw for node in scenario.nodes):
         for i, row in enumerate(scenario.profile):
             if row.generation_pu is None:
                 yield Problem(
-                    (("profile", i, "generation_pu"), *generating),
+                    (("profile", i, "generation_pu"), generating),
                     "a blank",
                     "should be given, as nodes.csv has generation",
                 )
@@ -197,7 +220,7 @@ def recorded_arrivals(scenario: Scenario) -> Iterator[Problem]:
             )
         if arrival.option not in scenario.options_by_name:
             yield Problem(
-                ((*row, "option"), *_option_names(scenario)),
+                ((*row, "option"), _column("option", "name")),
                 repr(arrival.option),
                 f"should be one of {', '.join(scenario.options_by_name)}",
             )
@@ -224,7 +247,7 @@ def _statistics_problems(
     for name in shares:
         if name not in scenario.options_by_name:
             yield Problem(
-                ((*where, "option_share", name), *_option_names(scenario)),
+                ((*where, "option_share", name), _column("option", "name")),
                 repr(name),
                 f"should be one of {', '.join(scenario.options_by_name)}",
             )
@@ -245,6 +268,7 @@ def _statistics_problems(
 
 CHECKS: tuple[Check, ...] = (
     interval_length,
+    size,
     arrivals_end,
     voltage_band,
     charger_limits,
@@ -258,12 +282,8 @@ CHECKS: tuple[Check, ...] = (
 )
 
 
-def _column(table: str, n_rows: int, column: str) -> tuple[Place, ...]:
-    return tuple((table, row, column) for row in range(n_rows))
-
-
-def _option_names(scenario: Scenario) -> tuple[Place, ...]:
-    return _column("option", len(scenario.option), "name")
+def _column(table: str, column: str) -> Place:
+    return (table, EVERY, column)
 
 
 def _repeated(names: Iterable[Hashable], places: list[Place]) -> Iterator[Problem]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from evdash.domain.events import EVENT_FORMS, Event, EventForm
 from evdash.domain.scenario import RecordedArrivals, Scenario
-from evdash.files.checks import Check, Place, Problem
+from evdash.files.checks import EVERY, Check, Place, Problem
 
 MOST_CHARGERS = 100_000
 
@@ -82,12 +82,12 @@ def event_times(scenario: Scenario) -> Iterator[Problem]:
 
 def event_subjects(scenario: Scenario) -> Iterator[Problem]:
     """The element or vehicle is one of the scenario's."""
-    elements = known_elements(scenario)
-    named: tuple[Place, ...] = tuple(
-        ("lines", row, end)
-        for row in range(len(scenario.lines))
-        for end in ("from_node", "to_node")
-    ) + tuple(("nodes", row, "node") for row in range(len(scenario.nodes)))
+    elements = frozenset(known_elements(scenario))
+    named: tuple[Place, ...] = (
+        ("lines", EVERY, "from_node"),
+        ("lines", EVERY, "to_node"),
+        ("nodes", EVERY, "node"),
+    )
     known = scenario.arrivals
     vehicles = (
         {arrival.vehicle for arrival in known.vehicles}

@@ -59,7 +59,7 @@ def apply_settings(raw: Raw, settings: Sequence[Setting]) -> tuple[Raw, list[Fau
             raw = _with(raw, _path(raw, setting.key), setting.value)
         except LookupError as error:
             faults.append(Fault(f"--set {setting.key}", f"{error.args[0]}", "unknown key"))
-    return raw, faults
+    return raw, list(dict.fromkeys(faults))
 
 
 def _path(raw: Raw, key: str) -> Place:
@@ -69,6 +69,8 @@ def _path(raw: Raw, key: str) -> Place:
         return (*table, ".".join(parts[len(table) :]))  # names of options may have dots
     if parts[0] != "option" or len(parts) == 1:
         return tuple(parts)
+    if len(parts) == 2:
+        raise LookupError("a price option without a key, as in option.C1.price_per_kwh")
     name, field = ".".join(parts[1:-1]), parts[-1]
     options = raw.get("option")
     for i, option in enumerate(options if isinstance(options, Sequence) else ()):

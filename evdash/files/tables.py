@@ -9,6 +9,9 @@ from pydantic import BaseModel
 
 from evdash.errors import Fault
 
+MOST_ROWS = 100_000
+"""More than any table of a scenario may hold, so that a small .zip cannot fill the memory."""
+
 
 @dataclass(frozen=True, slots=True)
 class Table:
@@ -48,6 +51,8 @@ def read_table(
         for number, cells in enumerate(lines, 2):
             if not cells:
                 continue
+            if number > MOST_ROWS:
+                return None, [*faults, _too_many(name)]
             if len(cells) != len(header):
                 rule = f"should be {len(header)}, as in the header"
                 faults.append(Fault(f"{name}, row {number}", f"{len(cells)} cells", rule))
@@ -58,6 +63,10 @@ def read_table(
         place = f"{name}, row {number + 1}"
         return None, [*faults, Fault(place, f"{error}", "should be comma-separated values")]
     return (None if faults else table), faults
+
+
+def _too_many(name: str) -> Fault:
+    return Fault(name, f"more than {MOST_ROWS:,} rows", f"should have at most {MOST_ROWS:,}")
 
 
 def _header_faults(name: str, header: list[str], record: type[BaseModel]) -> list[Fault]:

@@ -15,7 +15,7 @@ from pydantic_core import ErrorDetails
 
 from evdash.domain.scenario import GeneratedArrivals, RecordedArrivals, Scenario
 from evdash.errors import Fault, InputError
-from evdash.files.checks import CHECKS, Place, Problem
+from evdash.files.checks import CHECKS, EVERY, Place, Problem
 from evdash.files.event_checks import EVENT_CHECKS
 from evdash.files.wording import allowed, found, meaning
 
@@ -116,11 +116,12 @@ class Places:
             self.add(place)
 
     def add(self, place: Place) -> None:
-        self._places.add(place)
+        every = tuple(EVERY if isinstance(part, int) else part for part in place)
+        self._places |= {place, every}
         self._around |= {place[:length] for length in range(len(place) + 1)}
 
     def hold(self, place: Place) -> bool:
-        """Whether `place` is faulty or lies within a faulty place."""
+        """Whether `place` is faulty or lies within a faulty place; of every row, whether any is."""
         return any(place[:length] in self._places for length in range(len(place) + 1))
 
     def touch(self, place: Place) -> bool:
@@ -163,11 +164,11 @@ def _record_at(place: Place, raw: Raw) -> type[BaseModel] | None:
 
 def _with_stand_ins(raw: Raw, error: ValidationError) -> Raw:
     """`raw` with every faulty field exchanged for an example and every unknown key taken out."""
-    repaired = raw
+    repaired: Raw = _copied(raw)
     for details in error.errors(include_url=False):
         place = _place(details["loc"])
         if details["type"] == "extra_forbidden":
-            repaired = _replaced(repaired, place, _TAKEN_OUT)
+            _replace(repaired, place, _TAKEN_OUT)
             continue
         field, rest, record = _leaf(place, raw)
         if field is None:
@@ -175,7 +176,7 @@ def _with_stand_ins(raw: Raw, error: ValidationError) -> Raw:
         within = rest[:1] if record is not None else ()  # one record of a list, or all of it
         example = _example_record(record) if within and record else _example(field, record)
         named = place[: len(place) - len(rest)] + within
-        repaired = _replaced(repaired, named, example)
+        _replace(repaired, named, example)
     return repaired
 
 
@@ -198,13 +199,18 @@ def _example_record(record: type[BaseModel]) -> Raw:
 _TAKEN_OUT = object()
 
 
-def _replaced(node: Any, place: Place, value: Any) -> Any:
-    head, rest = place[0], place[1:]
-    copy: Any = dict(node) if isinstance(node, Mapping) else list(node)
-    if rest:
-        copy[head] = _replaced(copy[head], rest, value)
-    elif value is _TAKEN_OUT:
-        del copy[head]
+def _copied(node: Any) -> Any:
+    """Tables and lists copied as deep as they go, once for however many faults."""
+    if isinstance(node, Mapping):
+        return {key: _copied(value) for key, value in node.items()}
+    return [_copied(part) for part in node] if isinstance(node, list | tuple) else node
+
+
+def _replace(node: Any, place: Place, value: Any) -> None:
+    *way, last = place
+    for part in way:
+        node = node[part]
+    if value is _TAKEN_OUT:
+        del node[last]
     else:
-        copy[head] = value
-    return copy
+        node[last] = value
