@@ -63,7 +63,8 @@ def size(scenario: Scenario) -> Iterator[Problem]:
         )
     known = scenario.arrivals
     if isinstance(known, GeneratedArrivals):
-        expected = known.vehicles_per_day * scenario.arrivals_end * scenario.interval_hours / 24
+        arriving = min(scenario.arrivals_end, scenario.intervals)
+        expected = known.vehicles_per_day * arriving * scenario.interval_hours / 24
         if expected > MOST_VEHICLES:
             yield Problem(
                 (("arrivals", "vehicles_per_day"), ("intervals",), ("arrivals_until",)),
