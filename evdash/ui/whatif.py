@@ -16,7 +16,7 @@ from evdash.metrics.totals import Totals, totals
 from evdash.ui import run as runs
 from evdash.ui.run import Run
 from evdash.ui.solving import policy
-from evdash.ui.words import counted, money
+from evdash.ui.words import counted, money, plain
 
 FEWER_CHARGERS = 2
 FAILURE_HOUR = 18
@@ -98,7 +98,7 @@ def _everyone_picks_first(run: Run) -> Prompt:
         "From now on every driver chooses the first price option."
         if drawn
         else "Not here: in this scenario every driver's choice is recorded.",
-        (lambda run: runs.edited(run, label, shares)) if drawn else None,
+        (lambda run: runs.edited(run, plain(label), shares)) if drawn else None,
     )
 
 

@@ -21,7 +21,7 @@ def prompts_row(session: Session) -> None:
         st.markdown("**What if**", width="content")
         for prompt in session.once("prompts", lambda: prompts(session.run)):
             st.button(
-                prompt.label,
+                plain(prompt.label),
                 on_click=session.press,
                 args=(prompt,),
                 key=f"prompt_{prompt.key}",
