@@ -2,6 +2,7 @@
 
 import sqlite3
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,8 +12,9 @@ from evdash.errors import StoreUnavailable
 FORMAT = 1
 """Version of what is in the file; another version is refused, never guessed at."""
 NAME = "runs.sqlite3"
-PATIENCE_SECONDS = 0.5
-"""How long to wait for another process that is just writing."""
+PATIENCE_SECONDS = 5.0
+"""How long to wait for another process that is just writing: milliseconds, unless it starves."""
+DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 SCHEMA = """
 CREATE TABLE runs (
     link TEXT PRIMARY KEY,
@@ -60,7 +62,7 @@ class Database:
                     raise
             except (sqlite3.Error, OSError) as error:
                 self._let_go()
-                raise StoreUnavailable(f"{self.path}: {error}") from error
+                raise StoreUnavailable(f"{self.path}: {error}{self._aside(error)}") from error
 
     def close(self) -> None:
         """Let go of the file."""
@@ -72,6 +74,21 @@ class Database:
             self._connection.close()
         self._connection = None
 
+    def _aside(self, error: Exception) -> str:
+        """Put a damaged file aside, so that what comes next is kept in a new one; where it is."""
+        if not isinstance(error, sqlite3.Error) or _kind(error) not in DAMAGED:
+            return ""
+        aside = self.path.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%S')}-{self.path.name}")
+        try:
+            self.path.rename(aside)
+            for ending in ("-wal", "-shm"):  # they belong to the damaged file and to no other
+                beside = self.path.with_name(self.path.name + ending)
+                if beside.exists():
+                    beside.rename(f"{aside}{ending}")
+        except OSError as failure:
+            return f"; it could not be put aside ({failure})"
+        return f"; it was put aside as {aside.name}, and what follows is kept in a new file"
+
     def _opened(self) -> sqlite3.Connection:
         self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         connection = sqlite3.connect(
@@ -79,7 +96,7 @@ class Database:
         )
         try:
             connection.execute("PRAGMA journal_mode = WAL")
-            connection.execute("PRAGMA synchronous = NORMAL")
+            connection.execute("PRAGMA synchronous = FULL")  # a power cut takes no step back
             connection.execute("PRAGMA foreign_keys = ON")
             self._made(connection)
         except BaseException:
@@ -101,6 +118,11 @@ class Database:
                 f"{self.path}: its format is {found}, this version of evdash keeps {FORMAT}; "
                 "move the file away or name another folder in EVDASH_STORE"
             )
+
+
+def _kind(error: sqlite3.Error) -> int:
+    """SQLite's own code of an error, without what it adds to say it more closely."""
+    return int(getattr(error, "sqlite_errorcode", 0)) & 0xFF
 
 
 def _roll_back(connection: sqlite3.Connection) -> None:
