@@ -1,7 +1,7 @@
 """Races policies on the same days and prints what each earns of what the oracle could.
 
 python -m benchmarks.policies [--seeds 100] [--preset NAME ...] [--policies NAME ...]
-                              [--forecast] [--file FILE] [--workers 1]
+                              [--forecast] [--file FILE] [--svg FILE] [--workers 1]
 
 Intervals of confidence are 95 % and paired: every policy meets the very same days. Days are
 appended to FILE as they are done, and those already in it are not raced again. With
@@ -30,6 +30,7 @@ from benchmarks.race_days import (
     race,
     read_days,
 )
+from benchmarks.race_drawing import COLOURS, save_svg
 from evdash.files.bundled import bundled_scenarios
 from evdash.policies.registry import RULES
 
@@ -106,6 +107,23 @@ def report(
     console.print(table)
 
 
+def shares(
+    presets: Sequence[str], days: Sequence[RacedDay]
+) -> dict[str, dict[str, tuple[float, float]]]:
+    """Mean share of the oracle's bound, and half width, by preset and policy, as drawn."""
+    return {
+        preset: {
+            policy: interval(mine)
+            for policy in COLOURS
+            for mine in [
+                [d.share for d in days if d.key[2:] == (policy, RIGHT) and d.preset == preset]
+            ]
+            if mine
+        }
+        for preset in presets
+    }
+
+
 def contestants_of(policies: Sequence[str], forecast: bool) -> list[Contestant]:
     """The policies, and the anticipating one once more for every wrong forecast."""
     told = [(name, RIGHT) for name in policies]
@@ -126,6 +144,7 @@ def main() -> None:
     options.add_argument("--policies", nargs="+", choices=list(RULES), default=usual)
     options.add_argument("--forecast", action="store_true")
     options.add_argument("--file", type=Path, default=FILE)
+    options.add_argument("--svg", type=Path, help="where to draw the shares")
     options.add_argument("--workers", type=int, default=1)
     chosen = options.parse_args()
     contestants = contestants_of(chosen.policies, chosen.forecast)
@@ -137,6 +156,8 @@ def main() -> None:
             for days in track(raced, preset, len(left), console=Console(stderr=True)):
                 append_days(chosen.file, days)
             report(console, preset, contestants, read_days(chosen.file))
+    if chosen.svg:
+        save_svg(shares(chosen.preset, read_days(chosen.file)), chosen.svg)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ LOOKS = {
     "uncoordinated": (VERMILLION, "dot"),
 }
 """Colour and dash of each policy, the same in every picture."""
-ROW_PX, BARS_PX, LINES_PX = 40, 130, 380
+ROW_PX, BARS_PX, LINES_PX, PRICE_PX = 40, 130, 380, 300
 BREAKS = "breaks limits"
 
 
@@ -164,6 +164,42 @@ def _steps(
         "line": {"shape": "hv", "color": colour, "dash": dash, "width": 2.5},
         "hovertemplate": "%{y:,.1f} kW",
     }
+
+
+def price_figure(race: Race, policy: str) -> Figure:
+    """What a policy that anticipates held each hour's capacity to be worth to others, $/kWh."""
+    lap = race.lap(policy)
+    prices = () if lap is None else lap.capacity_price_per_kwh
+    line = _steps(race.times, prices, "Price of capacity", LOOKS[policy][0], "solid")
+    line |= {"fill": "tozeroy", "hovertemplate": "&#36;%{y:.3f} per kWh"}
+    return figure(
+        [line],
+        PRICE_PX,
+        showlegend=False,
+        xaxis={
+            "type": "date",
+            "title": {"text": "Clock time"},
+            "tickformat": "%H:%M",
+            "range": [stamp(race.times[0]), stamp(race.times[-1])],
+        },
+        yaxis=value_axis("Price of capacity, $/kWh", rangemode="tozero"),
+    )
+
+
+def price_alt(race: Race, policy: str) -> str:
+    """Where the price is highest, in words."""
+    lap = race.lap(policy)
+    known = [
+        (price, t)
+        for t, price in enumerate(() if lap is None else lap.capacity_price_per_kwh)
+        if price is not None
+    ]
+    if not known:
+        return "No price of capacity."
+    price, t = max(known, key=lambda one: one[0])
+    return (
+        f"Price of each hour's capacity, highest at {clock(race.times[t])}: ${price:.3f} per kWh."
+    )
 
 
 def load_alt(race: Race, policies: Sequence[str]) -> str:

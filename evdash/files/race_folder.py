@@ -11,6 +11,7 @@ from evdash.metrics.service import Service
 from evdash.policies.race import Lap, Race
 
 RACE, POLICIES, INTERVALS = "race.json", "policies.csv", "intervals.csv"
+REFUSALS = "refusals.csv"
 FORM = TypeAdapter(Race)
 
 
@@ -20,6 +21,7 @@ def race_files(race: Race) -> dict[str, str]:
         RACE: FORM.dump_json(race, indent=1).decode() + "\n",
         POLICIES: policies_text(race),
         INTERVALS: intervals_text(race),
+        REFUSALS: refusals_text(race),
     }
 
 
@@ -40,7 +42,7 @@ def _row(lap: Lap, options: list[str]) -> list[object]:
 def intervals_text(race: Race) -> str:
     """A row for each interval and policy."""
     head = ["interval", "start", "policy", "station_kw", "headroom_kw"]
-    head += ["admitted", "refused", "lowest_ac_pu"]
+    head += ["admitted", "refused", "lowest_ac_pu", "capacity_price_per_kwh"]
     return write_table(
         head,
         (
@@ -53,9 +55,31 @@ def intervals_text(race: Race) -> str:
                 lap.admitted[t],
                 lap.refused[t],
                 lap.lowest_ac_pu[t],
+                lap.capacity_price_per_kwh[t],
             ]
             for t in range(len(race.headroom_kw))
             for lap in race.laps
+        ),
+    )
+
+
+def refusals_text(race: Race) -> str:
+    """A row for everyone a policy refused, with the reason it gave."""
+    head = ["policy", "interval", "start", "vehicle", "option", "need_kwh", "reason"]
+    return write_table(
+        head,
+        (
+            [
+                lap.policy,
+                one.interval,
+                f"{race.times[one.interval]:%Y-%m-%dT%H:%M}",
+                one.vehicle,
+                one.option,
+                one.need_kwh,
+                one.reason,
+            ]
+            for lap in race.laps
+            for one in lap.turned_down
         ),
     )
 
@@ -77,7 +101,7 @@ def check_place(directory: Path, force: bool) -> None:
     if not directory.is_dir():
         raise InputError([Fault(place, "a file", "should be a folder")])
     there = {path.name for path in directory.iterdir()}
-    if there - {RACE, POLICIES, INTERVALS}:
+    if there - {RACE, POLICIES, INTERVALS, REFUSALS}:
         allowed = "should be new, empty, or an earlier race's"
         raise InputError([Fault(place, "a folder with other things in it", allowed)])
     if there and not force:

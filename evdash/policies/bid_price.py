@@ -33,6 +33,7 @@ SECONDS = 5.0
 """Only a safety: nodes decide."""
 CAUTION = 1.0
 """Standard errors by which departing from P1 has to be worth more."""
+KEPT = "kept for others"
 PRICE_DIGITS = 4
 """Prices of capacity are told, and charged, to a hundredth of a cent."""
 
@@ -196,7 +197,7 @@ def _kept_for(
     dearest = int(window.argmax())
     clock = scenario.time_of(snapshot.now + dearest)
     return (
-        f"kept for others: admitting it is expected to lose {loss:.2f} $ more than it pays, "
+        f"{KEPT}: admitting it is expected to lose {loss:.2f} $ more than it pays, "
         f"room being worth most at {clock:%H:%M} ({window[dearest]:.3f} $/kWh)"
     )
 

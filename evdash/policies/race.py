@@ -26,12 +26,25 @@ CONTESTANTS = (ORACLE, *(name for name in RULES if name != ORACLE and name not i
 
 
 @dataclass(frozen=True, slots=True)
+class TurnedDown:
+    """Someone a policy refused in an interval, and why."""
+
+    interval: int
+    vehicle: str
+    option: str
+    need_kwh: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
 class Lap:
     """One policy's day: its figures, and what it did interval by interval.
 
     `station_kw`, `admitted` and `refused` have an entry for each interval, as has
     `lowest_ac_pu`, in pu, None where AC power flow has no solution. `limits_broken` counts what
     the station broke in the network model whose limits are kept, and of its chargers.
+    `capacity_price_per_kwh`, in $/kWh, is what an hour's capacity was held to be worth to others
+    when it came; None where the policy prices none.
     """
 
     policy: str
@@ -41,6 +54,8 @@ class Lap:
     refused: tuple[int, ...]
     lowest_ac_pu: tuple[float | None, ...]
     limits_broken: int
+    capacity_price_per_kwh: tuple[float | None, ...]
+    turned_down: tuple[TurnedDown, ...]
 
     @property
     def title(self) -> str:
@@ -184,6 +199,21 @@ def _lap(name: str, trace: Trace, ac: AcDay, most_profit: float | None) -> Lap:
         refused=tuple(len(step.plan.refused) for step in trace.steps),
         lowest_ac_pu=_finite(ac.flow.voltage_pu.min(axis=1)),
         limits_broken=_limits_broken(trace, ac),
+        capacity_price_per_kwh=tuple(
+            None if price is None else float(price[0])
+            for price in (step.plan.capacity_price_per_kwh for step in trace.steps)
+        ),
+        turned_down=_turned_down(trace),
+    )
+
+
+def _turned_down(trace: Trace) -> tuple[TurnedDown, ...]:
+    return tuple(
+        TurnedDown(step.interval, asked.vehicle, asked.option, asked.need_kwh, refusal.reason)
+        for step in trace.steps
+        for refusal in step.plan.refused
+        for asked in step.requests
+        if asked.vehicle == refusal.vehicle
     )
 
 

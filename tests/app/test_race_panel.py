@@ -1,11 +1,15 @@
 """The race on the Compare page, without a browser: started, watched, told; and stopped."""
 
 import time
+from dataclasses import replace
 
 from streamlit.testing.v1 import AppTest
 
-from evdash.ui.race.racing import KEY, Racing
+from evdash.horizon.inputs import prepare
+from evdash.policies.race import race
+from evdash.ui.race.racing import KEY, Finished, Racing
 from tests.app.test_compare_page import opened, press, session, texts
+from tests.builders import generator, make_scenario
 
 PATIENCE_SECONDS = 240
 
@@ -48,6 +52,20 @@ def test_a_race_runs_beside_the_page_and_is_told() -> None:
     session(at).edit("fewer chargers", {"station.chargers": 6})
     at.run()
     assert "other inputs by now" in texts(at)
+
+
+def test_what_was_kept_and_who_could_not_take_part_is_told() -> None:
+    at = opened()
+    scenario = make_scenario(arrivals=generator(vehicles_per_day=200.0), station={"chargers": 1})
+    inputs = prepare(scenario)
+    found = race(inputs, ("p1", "bid-price"))
+    racing(at).finished = Finished(replace(found, absent={"oracle": "no reason"}), inputs)
+    at.run()
+    assert not at.exception
+    told = texts(at).replace("\\", "")
+    assert "refusals kept room for others" in told
+    assert "Oracle could not take part: no reason" in told
+    assert "other inputs by now" in told
 
 
 def test_a_race_can_be_stopped() -> None:

@@ -89,7 +89,9 @@ def test_anticipating_keeps_limits_and_stays_below_the_proven_most(scenario):
     found = race(prepare(scenario.replacing(arrivals=known)), ("bid-price", "oracle"))
     assert [lap.policy for lap in found.laps] == ["oracle", "bid-price"]
     assert all(lap.is_sound for lap in found.laps)
-    assert found.lap("bid-price").service.profit <= found.most_profit + CENT
+    ours = found.lap("bid-price")
+    assert ours.service.profit <= found.most_profit + CENT
+    assert all(price is None or price >= 0 for price in ours.capacity_price_per_kwh)
 
 
 def test_a_day_with_events_has_no_proven_most(crowded):
@@ -122,6 +124,9 @@ def test_it_tells_how_far_it_is_and_can_be_stopped(crowded):
 def test_files_read_back_as_they_were(raced, tmp_path):
     write_race(tmp_path, raced)
     assert read_race(tmp_path / "race.json") == raced
+    refused = (tmp_path / "refusals.csv").read_text(encoding="utf-8").splitlines()
+    assert len(refused) == 1 + sum(len(lap.turned_down) for lap in raced.laps)
+    assert any("not part of the best day" in row for row in refused)
     head, *rows = policies_text(raced).splitlines()
     assert len(rows) == len(raced.laps)
     assert {"policy", "profit", "acceptance_C1", "ac_overload_kva"} <= set(head.split(","))

@@ -3,13 +3,22 @@
 import streamlit as st
 
 from evdash.charts.drawn import Drawn
-from evdash.charts.race import load_alt, load_figure, load_rows, profit_alt, profit_figure
+from evdash.charts.race import (
+    load_alt,
+    load_figure,
+    load_rows,
+    price_alt,
+    price_figure,
+    profit_alt,
+    profit_figure,
+)
 from evdash.domain.trace import Inputs
-from evdash.files.race_folder import intervals_text, policies_text
+from evdash.files.race_folder import intervals_text, policies_text, refusals_text
+from evdash.policies.bid_price import KEPT
 from evdash.policies.race import CONTESTANTS, PAPERS, Race
-from evdash.policies.race_words import race_sentences, race_table
+from evdash.policies.race_words import ANTICIPATING, race_sentences, race_table
 from evdash.policies.registry import RULES
-from evdash.ui.parts import show, table_below
+from evdash.ui.parts import show, table, table_below
 from evdash.ui.race.racing import Finished, Racing, current_racing
 from evdash.ui.session import Session
 from evdash.ui.words import plain
@@ -19,7 +28,7 @@ INTRODUCTION = (
     "The present run's scenario, arrivals and events, decided from the start of the day by other "
     "policies. Foresight, statistics or a rule: what is each worth, and to whom?"
 )
-DRAWN = (PAPERS, "bid-price", "uncoordinated")
+DRAWN = (PAPERS, ANTICIPATING, "uncoordinated")
 """Whose load is drawn at first."""
 
 
@@ -101,6 +110,7 @@ def _shown(finished: Finished, inputs: Inputs) -> None:
     if not race.laps:
         return
     _pictures(race)
+    _reasons(race)
     st.markdown("##### All figures")
     with st.container(key="race_figures"):
         st.markdown(figures_markdown(race))
@@ -128,6 +138,42 @@ def _pictures(race: Race) -> None:
         table_below("race_load", lambda: load_rows(race))
 
 
+def _reasons(race: Race) -> None:
+    """What anticipating held each hour's room to be worth, and what it was kept for."""
+    lap = race.lap(ANTICIPATING)
+    if lap is None:
+        return
+    st.markdown("##### What bid-price kept room for")
+    left, right = st.columns(2, gap="medium")
+    with left:
+        st.caption(
+            "What a kWh of the station's capacity was expected to be worth to those still to come, "
+            "when its hour came. It admits who pays more than that and the energy."
+        )
+        show(
+            Drawn(price_figure(race, ANTICIPATING)),
+            "chart_race_price",
+            price_alt(race, ANTICIPATING),
+        )
+    with right:
+        kept = [one for one in lap.turned_down if one.reason.startswith(KEPT)]
+        st.caption(
+            f"{len(kept)} of {len(lap.turned_down)} refusals kept room for others; the rest found "
+            "no room or no gain at all."
+        )
+        rows: list[dict[str, object]] = [
+            {
+                "Asked": f"{race.times[one.interval]:%H:%M}",
+                "Vehicle": one.vehicle,
+                "Option": one.option,
+                "Need, kWh": round(one.need_kwh, 1),
+                "Why not": one.reason,
+            }
+            for one in lap.turned_down
+        ]
+        table(rows, "Whom bid-price refused and why")
+
+
 def figures_markdown(race: Race) -> str:
     """All figures as a table: one row each, a column for each policy."""
     heads = " | ".join(plain(lap.title) for lap in race.laps)
@@ -141,6 +187,7 @@ def _files(race: Race) -> None:
         for label, name, text in (
             ("Figures as CSV", "policies.csv", policies_text),
             ("Every interval as CSV", "intervals.csv", intervals_text),
+            ("Refusals as CSV", "refusals.csv", refusals_text),
         ):
             st.download_button(
                 label,
