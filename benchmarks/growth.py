@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+from rich.box import MARKDOWN
 from rich.table import Table
 
 from benchmarks.cases import bundled_day, in_quarter_hours, large_day, with_lateral
@@ -53,7 +54,7 @@ def _processor_seconds(scenario: Scenario) -> float:
 
 def table(points: Sequence[Point]) -> Table:
     """The points as a table."""
-    shown = Table(title="growth: a median day, s of the processor")
+    shown = Table(title="growth: a median day, s of the processor", box=MARKDOWN)
     for heading in ("what grows", "to", "day"):
         shown.add_column(heading, justify="right")
     for point in points:

@@ -1,25 +1,30 @@
-"""Plain P1 on single intervals, by HiGHS and by CBC as they come, beside the fast solver.
+"""Plain P1, by HiGHS and by CBC as they come, on its own worst intervals, and ours on the same.
 
-Twice: with the feeder node by node, all flows and voltages variables, as the paper writes it; and
-on the reduced rows, where only the charging is the paper's.
+Plain: as the paper writes it, the feeder node by node, its injections, flows and voltages all
+variables. Every interval of a day is given to it; those it takes longest for are its worst.
 """
 
+import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import pulp
+from rich.box import MARKDOWN
 from rich.table import Table
 
+from benchmarks.cases import Case
+from evdash.domain.plan import Plan, Snapshot
 from evdash.domain.scenario import Scenario
-from evdash.scheduling.equations import P1, Equation, build
+from evdash.horizon.day import run_day, start_day
+from evdash.scheduling.equations import build
 from evdash.scheduling.fast.solver import solve_fast
-from evdash.scheduling.p1 import SECONDS_PER_INTERVAL
-from evdash.scheduling.problem import Problem
+from evdash.scheduling.p1 import SECONDS_PER_INTERVAL, p1_policy
+from evdash.scheduling.problem import Problem, problem_of
 from tests.grid.node_by_node import p1_node_by_node
 
 HARD = 3
-"""So many intervals are compared, those the paper's formulation takes longest for."""
+"""So many intervals are compared, those that plain P1 takes longest for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,81 +35,92 @@ class Interval:
     now: int
     problem: Problem
 
-    @property
-    def as_in_paper(self) -> Sequence[Equation]:
-        """P1 with the feeder node by node."""
-        return tuple(p1_node_by_node(self.scenario, self.now))
-
 
 @dataclass(frozen=True, slots=True)
-class Plain:
-    """Seconds for the same intervals; those of a solver stopped at its limit count as the limit."""
+class Beside:
+    """Seconds of the processor for plain P1's worst intervals, plain and ours, (intervals,).
 
-    ours: float
-    paper_highs: float
-    paper_cbc: float
-    reduced_highs: float
-    reduced_cbc: float
+    What plain P1 would still have taken where it was `stopped` is not counted.
+    """
+
+    plain: Sequence[float]
+    ours: Sequence[float]
     stopped: int
 
-    @staticmethod
-    def table(limit_seconds: float) -> Table:
-        """The headings of `cells`."""
-        return Table(
-            "case",
-            "ours",
-            "as in the paper: HiGHS",
-            "CBC",
-            "on reduced rows: HiGHS",
-            "CBC",
-            "stopped",
-            title=f"plain P1 on its {HARD} worst intervals, all together, s on the clock; "
-            f"at most {limit_seconds:g} s each",
-        )
-
     def cells(self) -> tuple[str, ...]:
-        """Seconds, and how many times ours."""
-        others = (self.paper_highs, self.paper_cbc, self.reduced_highs, self.reduced_cbc)
-        return (
-            f"{self.ours:.2f}",
-            *(f"{seconds:.1f} ({seconds / self.ours:.0f}×)" for seconds in others),
-            f"{self.stopped} of {4 * HARD}",
-        )
+        """Seconds, how many times ours, and how often plain P1 was stopped."""
+        plain, ours = sum(self.plain), sum(self.ours)
+        return f"{plain:.1f}", f"{ours:.2f}", f"{plain / ours:.0f}×", f"{self.stopped}"
 
 
-def compared(candidates: Sequence[Interval], limit_seconds: float) -> Plain:
-    """The candidates the paper's formulation takes longest for, by every formulation."""
-    highs, cbc = plain_solvers(limit_seconds)
-    timed = [(plain(one, one.as_in_paper, highs), one) for one in candidates]
-    worst = sorted(timed, key=lambda one: -one[0])[:HARD]
-    intervals = [interval for _, interval in worst]
-    taken = [
-        [took for took, _ in worst],
-        [plain(one, one.as_in_paper, cbc) for one in intervals],
-        [plain(one, P1, highs) for one in intervals],
-        [plain(one, P1, cbc) for one in intervals],
-    ]
-    stopped = sum(took >= limit_seconds for times in taken for took in times)
-    return Plain(sum(ours(one.problem) for one in intervals), *map(sum, taken), stopped)
-
-
-def plain(interval: Interval, equations: Sequence[Equation], solver: pulp.LpSolver) -> float:
-    """Seconds plain P1 takes with this solver, model building included."""
-    began = time.perf_counter()
-    build(interval.problem, equations).lp.solve(solver)
-    return time.perf_counter() - began
-
-
-def ours(problem: Problem) -> float:
-    """Seconds the fast solver takes."""
-    began = time.perf_counter()
-    solve_fast(problem, SECONDS_PER_INTERVAL)
-    return time.perf_counter() - began
-
-
-def plain_solvers(seconds: float) -> tuple[pulp.LpSolver, pulp.LpSolver]:
-    """HiGHS and CBC as they come, to half a cent, on one thread, within `seconds`."""
-    return (
-        pulp.HiGHS(msg=False, timeLimit=seconds, gapRel=0, gapAbs=0.004, threads=1),
-        pulp.PULP_CBC_CMD(msg=False, timeLimit=seconds, gapRel=0, gapAbs=0.004, threads=1),
+def table(cases: Sequence[Case], days: int, limit_seconds: float) -> Table:
+    """One row a case: plain P1's worst intervals of the first `days` days, by either solver."""
+    shown = Table(
+        "case",
+        "intervals",
+        *("HiGHS", "ours", "times", "stopped"),
+        *("CBC", "ours", "times", "stopped"),
+        title=f"plain P1 on its {HARD} worst intervals and ours on the same, all together, "
+        f"s of the processor, at most {limit_seconds:g} s each on the clock",
+        box=MARKDOWN,
     )
+    for case in cases:
+        intervals = [
+            interval
+            for seed in range(1, min(days, case.seeds) + 1)
+            for interval in intervals_of(case.scenario(seed))
+        ]
+        cells = [
+            cell
+            for solver in plain_solvers(limit_seconds)
+            for cell in on_its_worst(intervals, solver, limit_seconds).cells()
+        ]
+        shown.add_row(case.title, str(len(intervals)), *cells)
+    return shown
+
+
+def intervals_of(scenario: Scenario) -> list[Interval]:
+    """The intervals of a day that have anybody to decide on or to plan for."""
+    policy, found = p1_policy(), []
+
+    def noting(snapshot: Snapshot) -> Plan:
+        problem = problem_of(snapshot)
+        if problem.n_vehicles:
+            found.append(Interval(scenario, snapshot.now, problem))
+        return policy(snapshot)
+
+    run_day(start_day(scenario), noting)
+    return found
+
+
+def on_its_worst(
+    intervals: Sequence[Interval], solver: pulp.LpSolver, limit_seconds: float
+) -> Beside:
+    """Plain P1 on every interval by this solver, and ours where that took longest."""
+    taken = [both_times(lambda one=one: solve_plain(one, solver)) for one in intervals]
+    worst = sorted(range(len(intervals)), key=lambda i: -taken[i][1])[:HARD]
+    ours = [
+        both_times(lambda i=i: solve_fast(intervals[i].problem, SECONDS_PER_INTERVAL))[1]
+        for i in worst
+    ]
+    stopped = sum(taken[i][0] >= limit_seconds for i in worst)
+    return Beside([taken[i][1] for i in worst], ours, stopped)
+
+
+def solve_plain(interval: Interval, solver: pulp.LpSolver) -> None:
+    """Plain P1, model building included."""
+    equations = tuple(p1_node_by_node(interval.scenario, interval.now))
+    build(interval.problem, equations).lp.solve(solver)
+
+
+def both_times(work: Callable[[], object]) -> tuple[float, float]:
+    """What some work takes on the clock and of the processor, that of CBC's process with it, s."""
+    clock, processor = time.perf_counter(), sum(os.times()[:4])
+    work()
+    return time.perf_counter() - clock, sum(os.times()[:4]) - processor
+
+
+def plain_solvers(limit_seconds: float) -> tuple[pulp.LpSolver, pulp.LpSolver]:
+    """HiGHS and CBC as they come, to half a cent, on one thread, within their limit."""
+    limits = {"msg": False, "timeLimit": limit_seconds, "gapRel": 0, "gapAbs": 0.004, "threads": 1}
+    return pulp.HiGHS(**limits), pulp.PULP_CBC_CMD(**limits)
