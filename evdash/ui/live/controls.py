@@ -2,7 +2,9 @@
 
 Widgets never own the truth. What was typed is compared with what was last shown; a
 difference is an edit, and afterwards every widget shows the scenario again. That also holds
-where a script run was aborted half-way: the difference is then found by the next one.
+where a script run was aborted half-way: the difference is then found by the next one. The truth
+is each widget's default, too: a browser that gets two script runs at once forgets what the first
+had set, and would show, and hand in, the lowest number there is.
 """
 
 from collections.abc import MutableMapping
@@ -108,12 +110,18 @@ def sidebar(session: Session, outlook: Outlook) -> None:
         for name, price, rate in option_controls(scenario):
             _pair([price, rate], prefix=f"{plain(name)} ")
         st.segmented_control(
-            "Energy price", list(CURVES), key=CURVE, help=help_text(price_field()), width="stretch"
+            "Energy price",
+            list(CURVES),
+            default=session.shown[CURVE],
+            key=CURVE,
+            help=help_text(price_field()),
+            width="stretch",
         )
         st.segmented_control(
             "Limits kept in",
             list(NETWORK_NAMES),
             format_func=NETWORK_NAMES.__getitem__,
+            default=session.shown[NETWORK],
             key=NETWORK,
             help=NETWORK_HELP,
             width="stretch",
@@ -143,6 +151,7 @@ def _number(control: Control, prefix: str = "") -> None:
         prefix + control.label,
         min_value=control.low,
         max_value=control.high,
+        value=control.value,
         step=control.step,
         format="%d" if control.is_count else "%g",
         key=control.key,

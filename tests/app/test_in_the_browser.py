@@ -1,8 +1,9 @@
-"""What a browser tells of the widths of charts is taken for no more than that."""
+"""What pages leave to the browser, and what is taken from it."""
 
 from pathlib import Path
 
 import pytest
+from streamlit.testing.v1 import AppTest
 
 from evdash.charts.drawn import Drawn, revision
 from evdash.charts.style import figure
@@ -36,3 +37,13 @@ def test_every_chart_goes_into_the_page_by_one_door() -> None:
         if "st.plotly_chart(" in path.read_text(encoding="utf-8")
     ]
     assert calls == ["evdash/ui/parts.py"]
+
+
+def test_every_number_of_the_sidebar_is_its_widgets_default_too() -> None:
+    """A browser that missed the first script run of two would else show the lowest number."""
+    at = AppTest.from_file(str(ROOT / "app.py"), default_timeout=120).run()
+    assert not at.exception
+    assert len(at.sidebar.number_input) == 7
+    for field in at.sidebar.number_input:
+        assert field.proto.default == field.value
+    assert not at.warning
