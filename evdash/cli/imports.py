@@ -110,7 +110,7 @@ def add_import(commands: "Commands", statuses: str) -> None:
     """Put `import` and its own commands on the command line."""
     command = commands.add_parser(
         "import",
-        help="bring in a feeder, prices, loads or sessions of your own",
+        help="bring in a feeder or sessions of your own",
         description="Bring data of your own into a scenario folder. docs/importing.md says by "
         "which rules. A folder is changed only if all of it is then a valid scenario.",
         epilog=statuses,

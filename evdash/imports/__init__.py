@@ -1,1 +1,1 @@
-"""Data of one's own on the way into a scenario: networks, prices, loads, sessions, workbooks."""
+"""Data of one's own on the way into a scenario: networks, sessions, workbooks."""

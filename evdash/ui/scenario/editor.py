@@ -9,6 +9,7 @@ from evdash.domain.scenario import GeneratedArrivals, Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft, Rows, draft_of, files_of, scenario_of
 from evdash.files.validate import Raw
+from evdash.imports.tables import ForeignTable
 from evdash.ui.edits import with_settings_kept
 from evdash.ui.session import Session
 
@@ -25,6 +26,7 @@ class Said:
 
     title: str
     faults: tuple[Fault, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 class Editor:
@@ -44,6 +46,7 @@ class Editor:
         self.revision = 0
         self.said: Said | None = None
         self.uploaded: set[str] = set()
+        self.waiting: ForeignTable | None = None
         self._before: list[Draft] = []
         self._checked: tuple[Draft, Scenario | None, tuple[Fault, ...]] | None = None
 

@@ -41,6 +41,9 @@ def _said(editor: Editor) -> None:
         _faults(editor.said.faults)
     else:
         st.success(editor.said.title, icon=":material/check_circle:")
+        if editor.said.notes:
+            with st.expander("What was converted, and how", expanded=True):
+                st.markdown("\n".join(f"- {plain(note)}" for note in editor.said.notes))
 
 
 def _faults(faults: tuple[Fault, ...]) -> None:

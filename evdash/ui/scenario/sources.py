@@ -1,5 +1,6 @@
 """What a draft can begin from: the present run, a preset, files of one's own."""
 
+import re
 from collections.abc import Mapping
 from io import BytesIO
 
@@ -17,7 +18,23 @@ from evdash.files.draft import (
 )
 from evdash.files.folder import read_zip
 from evdash.files.scenario_folder import SETTINGS
+from evdash.files.tables import decode
+from evdash.imports.session_columns import REQUIRED, proposed
+from evdash.imports.workbook import (
+    SETTINGS_SHEET,
+    SHEETS,
+    in_sheets,
+    is_workbook,
+    read_sheets,
+    scenario_parts,
+)
 from evdash.ui.scenario.editor import Editor, Said, present_scenario
+from evdash.ui.scenario.incoming import (
+    is_network,
+    sessions_form,
+    waiting_table,
+    with_uploaded_network,
+)
 from evdash.ui.session import Session, bundled, bundled_names
 from evdash.ui.words import counted, plain
 
@@ -26,7 +43,9 @@ MOST_MB = 10
 UPLOAD_HELP = (
     "A .zip of a scenario folder replaces everything; a single nodes.csv, lines.csv, profile.csv, "
     "fleet.csv, arrivals.csv, "
-    "events.csv or scenario.toml replaces that file only. Files stay on this computer."
+    "events.csv or scenario.toml replaces that file only, an .xlsx the sheets it has. A pandapower "
+    ".json replaces the feeder; recorded sessions (.json, .csv, .xlsx) replace the vehicles once "
+    "their columns are confirmed. Files stay on this computer."
 )
 
 
@@ -56,7 +75,7 @@ def sources(session: Session, editor: Editor) -> None:
     with right:
         files = st.file_uploader(
             "Or bring your own files",
-            type=["zip", "csv", "toml"],
+            type=["zip", "csv", "toml", "json", "xlsx"],
             accept_multiple_files=True,
             key="scenario_upload",
             max_upload_size=MOST_MB,
@@ -66,6 +85,7 @@ def sources(session: Session, editor: Editor) -> None:
         if new:
             editor.uploaded |= {file.file_id for file in new}
             receive(editor, {file.name: file.getvalue() for file in new})
+    sessions_form(editor)
 
 
 def _take(session: Session, editor: Editor) -> None:
@@ -77,17 +97,37 @@ def _take(session: Session, editor: Editor) -> None:
 def receive(editor: Editor, files: Mapping[str, bytes]) -> None:
     """Take uploaded files in, or say of every one of them why it cannot be."""
     draft, faults, told = editor.draft, [], []
+    notes: tuple[str, ...] = ()
     for name, content in files.items():
         try:
-            draft, what = taken_in(draft, name, content)
+            if is_network(name, content):
+                draft, what, notes = with_uploaded_network(draft, name, content)
+            elif may_be_sessions(name, content):
+                editor.waiting = waiting_table(name, content)
+                continue
+            else:
+                draft, what = taken_in(draft, name, content)
         except InputError as error:
             faults += list(error.faults)
         else:
             told.append(what)
     if faults:
         editor.said = Said("Nothing was taken in; your work is as it was.", tuple(faults))
-    else:
-        editor.take(draft, Said(" ".join(told)))
+    elif told:
+        editor.take(draft, Said(" ".join(told), notes=notes))
+
+
+def may_be_sessions(name: str, content: bytes) -> bool:
+    """Whether a file is a table that is none of a scenario's, as sessions are."""
+    if name.lower().endswith(".json"):
+        return True
+    if is_workbook(name):
+        return not (set(SHEETS) | {SETTINGS_SHEET}) & set(read_sheets(name, content))
+    if not name.lower().endswith(".csv") or table_for(name, content) is not None:
+        return False
+    text, unreadable = decode(name, content)
+    columns = re.split("[,;\t]", text.partition("\n")[0])
+    return not unreadable and set(REQUIRED) <= set(proposed([c.strip() for c in columns]))
 
 
 def taken_in(draft: Draft, name: str, content: bytes) -> tuple[Draft, str]:
@@ -95,6 +135,8 @@ def taken_in(draft: Draft, name: str, content: bytes) -> tuple[Draft, str]:
     if name.lower().endswith(".zip"):
         whole = read_draft(read_zip(BytesIO(content), name))
         return whole, f"{plain(name)} replaced the whole scenario."
+    if is_workbook(name):
+        return with_sheets(draft, name, content)
     if name.lower().endswith(".toml"):
         settings, faults = read_settings(content)
         if faults:
@@ -110,3 +152,20 @@ def taken_in(draft: Draft, name: str, content: bytes) -> tuple[Draft, str]:
     return draft.with_table(
         file, rows
     ), f"{plain(name)} replaced {file}: {counted(len(rows), 'row')}."
+
+
+def with_sheets(draft: Draft, name: str, content: bytes) -> tuple[Draft, str]:
+    """The draft with the tables and settings a workbook has."""
+    files = scenario_parts(name, content)
+    faults: list[Fault] = []
+    for file, text in files.items():
+        if file == SETTINGS:
+            settings, found = read_settings(text)
+            draft = draft.with_settings(settings)
+        else:
+            rows, found = read_rows(file, text)
+            draft = draft.with_table(file, rows)
+        faults += in_sheets(name, found)
+    if faults:
+        raise InputError(faults)
+    return draft, f"{plain(name)} replaced {', '.join(files)}."
