@@ -1,0 +1,1 @@
+"""Many people on one server: visitors without browsers, each with a day of their own."""
