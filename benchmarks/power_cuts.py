@@ -40,6 +40,8 @@ from evdash.store.runs import Store
 
 ROOT = Path(__file__).parents[1]
 BESIDE = "beside"
+PAUSE_SECONDS = 0.005
+"""Between two steps, so that the other writer gets its turn."""
 LONGEST_SECONDS = 0.4
 """A writer lives at most so long after its first word."""
 
@@ -61,6 +63,7 @@ def write_on(directory: Path, link: str) -> None:
             done -= 1
             continue
         print(journal.link, done, flush=True)
+        time.sleep(PAUSE_SECONDS)
 
 
 def put_beside(directory: Path) -> None:
@@ -117,12 +120,17 @@ class Writer:
         said = [first, *process.stdout]
         process.wait()
         whole = [line for line in said if line.endswith("\n")]
+        if not whole:
+            self.counts["did not get to its first word"] += 1
+            return
         self.link, told = whole[-1].split()
         self.told = int(told)
         self.counts["steps kept"] += len(whole)
 
     def check(self) -> None:
         """Whether the store has what was said to be kept."""
+        if not self.link:
+            return
         store = Store(self.directory)
         found = Journal.resume(store, self.link)
         store.database.close()
