@@ -35,7 +35,9 @@ STYLE = """
   white-space: nowrap; }
 .st-key-figures [data-testid="stMetricValue"] { font-variant-numeric: tabular-nums; }
 /* Beside an open sidebar a small window has no room for two columns of charts. */
-@media (max-width: 1100px) { [data-testid="stMain"] [data-testid="stColumn"] { min-width: 100%; } }
+@media screen and (max-width: 1100px) {
+  [data-testid="stMain"] [data-testid="stColumn"] { min-width: 100%; }
+}
 /* Text of charts in the grey called INK has the colour of the page's own, in either theme. */
 .stPlotlyChart svg text[style*="fill: rgb(125, 125, 126)"] { fill: currentColor !important; }
 @media print {
