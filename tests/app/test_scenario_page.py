@@ -253,7 +253,7 @@ def test_what_would_hang_the_app_is_refused() -> None:
     at = tab(opened(), "Vehicles")
     key = "scenario:arrivals.vehicles_per_day"
     at.number_input(key=key).set_value(1_000_000.0).run()
-    assert "command line takes more" in at.dataframe[0].value["Allowed"][0]
+    assert "should be at most" in at.dataframe[0].value["Allowed"][0]
     row = editor(at).draft.tables["fleet.csv"][0]
     editor(at).set_rows("fleet.csv", (row,) * (MOST_ROWS + 1))
     at.run()

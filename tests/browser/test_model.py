@@ -28,7 +28,7 @@ def test_a_cold_link_to_the_equations_and_this_runs_numbers_in_them(browser: Bro
         alone = formulas.count()
         assert alone == 15
         page.locator(".st-key-finish button").first.click()
-        page.get_by_text("24 of 24 intervals").wait_for()
+        page.get_by_text("24 of 24").first.wait_for()
         settle(page)
         assert formulas.count() > alone
         assert page.locator(".katex-error").count() == 0

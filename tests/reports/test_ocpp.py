@@ -4,6 +4,7 @@ import asyncio
 import io
 import json
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -22,7 +23,9 @@ def archive(usual) -> dict[str, bytes]:
 
 def validate(version: str, payload: dict) -> None:
     call = Call(unique_id="1", action="SetChargingProfile", payload=payload)
-    asyncio.run(validate_payload(call, version))
+    # a thread of its own: a browser test before this one may have left a loop running here
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(asyncio.run, validate_payload(call, version)).result()
 
 
 @pytest.mark.parametrize("version", VERSIONS)
