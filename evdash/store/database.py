@@ -1,5 +1,6 @@
 """The file runs are kept in: SQLite, written as a whole or not at all."""
 
+import random
 import sqlite3
 import threading
 import time
@@ -12,8 +13,12 @@ from evdash.errors import StoreUnavailable
 FORMAT = 1
 """Version of what is in the file; another version is refused, never guessed at."""
 NAME = "runs.sqlite3"
-PATIENCE_SECONDS = 5.0
-"""How long to wait for another process that is just writing: milliseconds, unless it starves."""
+PATIENCE_SECONDS = 10.0
+"""How long to wait for other processes that are just writing, in all."""
+WAIT_SECONDS = 0.05
+"""How long SQLite itself waits at a time. It looks ever more rarely and always in the same rhythm,
+so that who writes without pause could keep another out; between two waits there is a random one."""
+PAUSE_SECONDS = 0.03
 DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 SCHEMA = """
 CREATE TABLE runs (
@@ -53,7 +58,7 @@ class Database:
         with self._lock:
             try:
                 connection = self._connection = self._connection or self._opened()
-                connection.execute("BEGIN IMMEDIATE")
+                _begin(connection)
                 try:
                     yield connection
                     connection.execute("COMMIT")
@@ -62,7 +67,9 @@ class Database:
                     raise
             except (sqlite3.Error, OSError) as error:
                 self._let_go()
-                raise StoreUnavailable(f"{self.path}: {error}{self._aside(error)}") from error
+                raise StoreUnavailable(
+                    f"{self.path}: {_told(error)}{self._aside(error)}"
+                ) from error
 
     def close(self) -> None:
         """Let go of the file."""
@@ -92,10 +99,10 @@ class Database:
     def _opened(self) -> sqlite3.Connection:
         self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         connection = sqlite3.connect(
-            self.path, timeout=PATIENCE_SECONDS, isolation_level=None, check_same_thread=False
+            self.path, timeout=WAIT_SECONDS, isolation_level=None, check_same_thread=False
         )
         try:
-            connection.execute("PRAGMA journal_mode = WAL")
+            _patiently(connection, "PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = FULL")  # a power cut takes no step back
             connection.execute("PRAGMA foreign_keys = ON")
             self._made(connection)
@@ -106,7 +113,7 @@ class Database:
 
     def _made(self, connection: sqlite3.Connection) -> None:
         """The tables, made in a new file; an older or newer file is refused."""
-        connection.execute("BEGIN IMMEDIATE")
+        _begin(connection)
         found = connection.execute("PRAGMA user_version").fetchone()[0]
         if found == 0:
             for statement in SCHEMA.split(";"):
@@ -120,9 +127,38 @@ class Database:
             )
 
 
+def _begin(connection: sqlite3.Connection) -> None:
+    """Become the one that writes."""
+    _patiently(connection, "BEGIN IMMEDIATE")
+
+
+def _patiently(connection: sqlite3.Connection, statement: str) -> None:
+    """Execute a statement as soon as nobody else is writing; raises sqlite3.Error if never."""
+    until = time.monotonic() + PATIENCE_SECONDS
+    while True:
+        try:
+            connection.execute(statement)
+        except sqlite3.OperationalError as error:
+            if _kind(error) != sqlite3.SQLITE_BUSY or time.monotonic() >= until:
+                raise
+            time.sleep(random.uniform(0, PAUSE_SECONDS))  # noqa: S311 - nothing secret
+        else:
+            return
+
+
 def _kind(error: sqlite3.Error) -> int:
     """SQLite's own code of an error, without what it adds to say it more closely."""
     return int(getattr(error, "sqlite_errorcode", 0)) & 0xFF
+
+
+def _told(error: Exception) -> str:
+    """An error in words: SQLite's own, but for the one people meet without any fault of theirs."""
+    if isinstance(error, sqlite3.Error) and _kind(error) == sqlite3.SQLITE_BUSY:
+        return (
+            f"other servers kept writing for {PATIENCE_SECONDS:g} s; "
+            "the next change is kept together with this one"
+        )
+    return str(error)
 
 
 def _roll_back(connection: sqlite3.Connection) -> None:

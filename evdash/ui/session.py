@@ -2,6 +2,7 @@
 
 import threading
 import time
+import weakref
 from collections import deque
 from collections.abc import Callable, Hashable, Mapping
 from functools import lru_cache
@@ -28,6 +29,8 @@ KEY = "evdash"
 PRESET = "preset"
 """What the address calls the scenario that was opened."""
 MOST_UNDONE = 200
+_opening = threading.Lock()
+_open: weakref.WeakSet["Session"] = weakref.WeakSet()
 
 
 class Session:
@@ -53,6 +56,8 @@ class Session:
         self._past: deque[Run] = deque(maxlen=MOST_UNDONE)
         self._lock = threading.Lock()
         self._drawn: dict[str, tuple[Trace, Hashable, Any]] = {}
+        with _opening:
+            _open.add(self)
 
     def _change(self, change: Callable[[Run], Run]) -> None:
         with self._lock:
@@ -62,6 +67,16 @@ class Session:
                 self.keeper.keep(self.run)
             if self.run.trace.is_over:
                 self.mode = "idle"
+
+    def settled(self) -> None:
+        """Wait until no change is under way.
+
+        A click on another page, or a reload, starts a script of its own while the step that was
+        clicked before is still being decided. Drawn at once it would show the run before that
+        step, and stay so.
+        """
+        with self._lock:
+            return
 
     def undo(self) -> None:
         """Take back the last change, whatever it was."""
@@ -175,12 +190,26 @@ def current() -> Session:
     if KEY not in st.session_state:
         st.session_state[KEY] = _begun()
     session: Session = st.session_state[KEY]
+    session.settled()
     return session
+
+
+def await_changes(link: str) -> None:
+    """Wait until no tab of this server is changing the run of a link.
+
+    Who reloads in mid-step gets a new session, which would else read the run before the step
+    that the old one is about to keep.
+    """
+    with _opening:
+        same = [session for session in _open if session.keeper.link == link]
+    for session in same:
+        session.settled()
 
 
 def _begun() -> Session:
     run, keeper = None, Keeper()
     if link := st.query_params.get(keeping.LINK):
+        await_changes(link)
         run, keeper = keeping.resume(link)
     if run is None:
         folder = bundled_names().get(st.query_params.get(PRESET, ""), DEFAULT)

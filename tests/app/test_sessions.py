@@ -3,12 +3,17 @@
 import threading
 import time
 from itertools import pairwise
+from pathlib import Path
+
+import pytest
 
 from evdash.files.bundled import DEFAULT
 from evdash.files.scenario_folder import read_scenario
-from evdash.ui.run import open_run
-from evdash.ui.session import Session
-from evdash.ui.solving import Turns
+from evdash.store.runs import Store
+from evdash.ui import keeping
+from evdash.ui.run import Run, open_run, stepped
+from evdash.ui.session import Session, await_changes
+from evdash.ui.solving import Turns, policy
 
 
 def test_clicks_at_the_same_time_are_steps_one_after_the_other() -> None:
@@ -21,6 +26,42 @@ def test_clicks_at_the_same_time_are_steps_one_after_the_other() -> None:
     steps = session.run.trace.steps
     assert [step.interval for step in steps] == list(range(8))
     assert all(a.after is b.before for a, b in pairwise(steps))
+
+
+def test_who_reloads_in_mid_step_reads_the_run_with_that_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = Store(tmp_path)
+    monkeypatch.setattr(keeping, "store", lambda: store)
+    session = Session(open_run(DEFAULT, read_scenario(DEFAULT)))
+    session.step()
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slowly(run: Run) -> Run:
+        begun.set()
+        go_on.wait(60)
+        return stepped(run, policy)
+
+    click = threading.Thread(target=session._change, args=(slowly,))
+    click.start()
+    begun.wait(60)
+    read: list[int] = []
+
+    def reload() -> None:
+        await_changes(session.keeper.link)
+        run, _ = keeping.resume(session.keeper.link)
+        assert run is not None
+        read.append(len(run.trace.steps))
+
+    page = threading.Thread(target=reload)
+    page.start()
+    page.join(0.2)
+    assert read == []  # it waits
+    await_changes("somebody else's link")  # and nobody else does
+    go_on.set()
+    click.join()
+    page.join()
+    assert read == [2]
 
 
 def test_turns_are_given_first_come_first_served() -> None:

@@ -15,6 +15,7 @@ from evdash.domain.trace import Trace
 from evdash.errors import StoreUnavailable
 from evdash.horizon.day import start_day, step
 from evdash.scheduling.p1 import p1_policy
+from evdash.store import database
 from evdash.store.database import NAME
 from evdash.store.journal import Journal
 from evdash.store.parts import Kept
@@ -76,6 +77,51 @@ def test_two_servers_on_one_store_do_each_other_no_harm(days, tmp_path):
         thread.join()
     assert soundness(tmp_path) == "ok"
     assert [steps_of(tmp_path, journal.link) for journal in journals] == [4, 4]
+
+
+WITHOUT_PAUSE = """
+import sys, time
+from pathlib import Path
+from evdash.store.journal import Journal
+from evdash.store.runs import Store
+from tests.builders import make_scenario
+from evdash.horizon.day import start_day
+from evdash.store.parts import Kept
+scenario = make_scenario()
+journal, until = Journal(Store(Path(sys.argv[1]))), time.monotonic() + 1.0
+kept = 0
+while kept < 20 or time.monotonic() < until:
+    journal.keep(Kept("", scenario, start_day(scenario)))
+    kept += 1
+print(kept)
+"""
+
+
+def test_two_processes_that_write_without_pause_both_get_their_turns(tmp_path):
+    """A turn that never came would raise StoreUnavailable in one of them."""
+    command = [sys.executable, "-c", WITHOUT_PAUSE, str(tmp_path)]
+    writers = [
+        subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        for _ in range(2)
+    ]
+    said = [writer.communicate() for writer in writers]
+    assert [writer.returncode for writer in writers] == [0, 0], said
+    assert all(int(out) >= 20 for out, _ in said)
+    assert soundness(tmp_path) == "ok"
+
+
+def test_a_turn_that_never_comes_is_told_in_words(days, tmp_path, monkeypatch):
+    monkeypatch.setattr(database, "PATIENCE_SECONDS", 0.1)
+    journal = Journal(Store(tmp_path))
+    journal.keep(kept(days[1]))
+    other = sqlite3.connect(tmp_path / NAME, isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    with pytest.raises(StoreUnavailable, match="other servers kept writing"):
+        journal.keep(kept(days[2]))
+    other.execute("ROLLBACK")
+    other.close()
+    journal.keep(kept(days[2]))
+    assert steps_of(tmp_path, journal.link) == 2
 
 
 FULL = """
