@@ -48,6 +48,7 @@ LOADINGS = (
     Loading("Over its rating", float("inf"), 9, VERMILLION, "dot"),
 )
 UNRATED = Loading("No rating", float("nan"), 2, OUTLINE)
+SYMBOLS = (("Node", "circle"), ("Source", "square"), ("Charging station", "diamond"))
 BUSY, IDLE = Loading("Carries charging", 0, 6, BLUE), Loading("Other lines", 0, 2, OUTLINE)
 
 
@@ -61,6 +62,7 @@ def feeder_figure(moment: Moment) -> Figure:
             *_lines(moment),
             _line_marks(moment),
             *_nodes(moment, voltage),
+            *_symbols(),
             *_nodes_outside(moment, voltage),
         ],
         _height_px(moment.layout),
@@ -191,16 +193,14 @@ def _nodes(moment: Moment, voltage: dict[str, float]) -> list[dict[str, Any]]:
     source, station = moment.scenario.feeder.source_node, moment.scenario.station.node
     size = 17 if len(voltage) <= FEW else 11 if len(voltage) <= MANY else 8
     labelled = _labelled(moment, voltage)
-    kinds = (
-        ("Node", [n for n in voltage if n not in (source, station)], "circle", size),
-        ("Source", [source], "square", size + 4),
-        ("Charging station", [station], "diamond", size + 8),
-    )
+    others = [n for n in voltage if n not in (source, station)]
+    kinds = zip(SYMBOLS, ((others, size), ([source], size + 4), ([station], size + 8)), strict=True)
     return [
         {
             "type": "scatter",
             "mode": "markers+text",
             "name": name,
+            "showlegend": False,
             "x": [moment.layout.places[node][0] for node in nodes],
             "y": [moment.layout.places[node][1] for node in nodes],
             "text": [
@@ -219,8 +219,24 @@ def _nodes(moment: Moment, voltage: dict[str, float]) -> list[dict[str, Any]]:
                 "line": {"color": OUTLINE, "width": 1.5},
             },
         }
-        for name, nodes, symbol, pixels in kinds
+        for (name, symbol), (nodes, pixels) in kinds
         if nodes
+    ]
+
+
+def _symbols() -> list[dict[str, Any]]:
+    """The legend's own symbols: of nodes coloured by voltage it would draw black ones."""
+    return [
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "name": name,
+            "x": [None],
+            "y": [None],
+            "hoverinfo": "skip",
+            "marker": {"symbol": symbol, "size": 12, "color": OUTLINE},
+        }
+        for name, symbol in SYMBOLS
     ]
 
 

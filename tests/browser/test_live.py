@@ -76,7 +76,8 @@ def test_double_clicks_step_once_or_twice_but_never_corrupt(live: LivePage) -> N
         before = live.hour
         live.page.locator(".st-key-step button").first.dblclick(delay=5)
         expect(live.page.locator(".st-key-clock")).not_to_have_text(f"{before:02d}:00")
-        assert live.settled().hour - before in (1, 2)
+        live.settled()
+    assert 4 <= live.hour <= 8  # a second click may come late, but none counts twice
     live.press("finish")
     expect(live.sentence).to_contain_text("51 of 99 PEVs admitted, every one charged in full")
 

@@ -136,13 +136,21 @@ def see_compare(page: Page) -> None:
     expect(page.get_by_text("Hold one run against another")).to_be_visible()
 
 
-@pytest.mark.parametrize(("path", "see"), [("scenario", see_scenario), ("compare", see_compare)])
+def see_studies(page: Page) -> None:
+    expect(page.locator(".st-key-question").get_by_role("combobox").first).to_be_visible()
+    expect(page.locator(".st-key-start_study button").first).to_be_enabled()
+
+
+COLD = [("scenario", see_scenario), ("compare", see_compare), ("studies", see_studies)]
+
+
+@pytest.mark.parametrize(("path", "see"), COLD)
 def test_a_cold_deep_link_finds_its_page(
     browser: Browser, path: str, see: Callable[[Page], None]
 ) -> None:
     with serving() as fresh, visiting(browser) as page:
         page.goto(f"{fresh}/{path}?preset=voltage-limited")
-        page.locator(".st-key-scenario_tabs, .st-key-pin").first.wait_for()
+        page.locator(".st-key-scenario_tabs, .st-key-pin, .st-key-question").first.wait_for()
         settle(page)
         see(page)
         assert re.search(rf"/{path}\b", page.url)
