@@ -158,6 +158,18 @@ def test_a_new_day_begins_on_it_after_saying_what_is_dropped() -> None:
     assert session(at).run.folder.name == PRESETS[1]
 
 
+def test_a_scenario_of_ones_own_is_told_apart_from_the_preset_of_its_name() -> None:
+    at = opened()
+    at.number_input(key="scenario:station.chargers").set_value(7).run()
+    press(at, "apply_scenario")
+    at.switch_page("pages/live.py").run()
+    labels = at.selectbox(key="preset").options
+    assert len(set(labels)) == len(labels) == len(PRESETS) + 1
+    press(at, "step")
+    assert session(at).run.trace.scenario.station.chargers == 7
+    assert session(at).run.folder is None
+
+
 def test_an_untouched_draft_follows_the_present_run_and_an_edited_one_does_not() -> None:
     at = opened()
     session(at).edit("chargers", {"station.chargers": 5})

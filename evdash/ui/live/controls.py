@@ -103,7 +103,8 @@ def sidebar(session: Session, outlook: Outlook) -> None:
     with st.sidebar, st.container(gap="xsmall"):
         names = {name: bundled(folder).name for name, folder in bundled_names().items()}
         if session.run.folder is None:
-            names = {OWN: session.run.opened.name} | names
+            # told apart from a preset of the same name: a browser answers with what it shows
+            names = {OWN: f"{session.run.opened.name} (your own)"} | names
         st.selectbox("Preset", list(names), format_func=names.__getitem__, key=PRESET)
         _pair(arrival_controls(scenario))
         _number(charger_control(scenario))
