@@ -52,8 +52,7 @@ def profit_figure(race: Race) -> Figure:
         "y": [safe(_name(lap)) for lap in laps],
         "x": [round(lap.service.profit, 2) for lap in laps],
         "text": [safe(profit_told(lap)) for lap in laps],
-        "textposition": "outside",
-        "cliponaxis": False,
+        "textposition": "none",
         "marker": {
             "color": [LOOKS[lap.policy][0] for lap in laps],
             "pattern": {
@@ -73,14 +72,33 @@ def profit_figure(race: Race) -> Figure:
         xaxis=value_axis("Profit of the day, $", range=_reach(race)),
         yaxis={"automargin": True, "ticksuffix": "  "},
         shapes=[] if most is None else [_line_at(most)],
-        annotations=[] if most is None else [_most_told(most)],
+        annotations=[*_profits_told(race, laps), *([] if most is None else [_most_told(most)])],
     )
+
+
+def _profits_told(race: Race, laps: Sequence[Lap]) -> list[dict[str, Any]]:
+    """The numbers in a column right of all bars, where the line crosses none of them."""
+    return [
+        {
+            "x": _longest(race),
+            "xshift": 6,
+            "xanchor": "left",
+            "y": safe(_name(lap)),
+            "showarrow": False,
+            "text": safe(profit_told(lap)),
+        }
+        for lap in laps
+    ]
+
+
+def _longest(race: Race) -> float:
+    return max(0.0, race.most_profit or 0.0, *(lap.service.profit for lap in race.laps))
 
 
 def _reach(race: Race) -> list[float]:
     """From zero or below to beyond the longest bar, with room for what is written behind it."""
     profits = [0.0, race.most_profit or 0.0, *(lap.service.profit for lap in race.laps)]
-    room = 0.3 * max(1.0, max(profits) - min(profits))
+    room = 0.36 * max(1.0, max(profits) - min(profits))
     return [min(profits) - (room if min(profits) < 0 else 0.0), max(profits) + room]
 
 

@@ -47,9 +47,14 @@ STYLE = """
   [data-testid="stApp"], [data-testid="stMain"], [data-testid="stAppViewContainer"] {
     position: static !important; overflow: visible !important; height: auto !important; }
   [data-testid="stMainBlockContainer"] { padding: 0 !important; }
-  [data-testid="stPlotlyChart"], .st-key-decision, .st-key-figures { break-inside: avoid; }
+  [data-testid="stPlotlyChart"], .st-key-decision, .st-key-figures,
+  [data-testid="stHorizontalBlock"] { break-inside: avoid; }
+  [data-testid="stHorizontalBlock"]:has(> [data-testid="stColumn"]) {
+    display: flex !important; flex-flow: row nowrap !important; }
+  [data-testid="stHorizontalBlock"] > [data-testid="stColumn"] { min-width: 0 !important; }
 }
-@page { size: A4 landscape; margin: 12mm; }
+/* Charts keep their width on paper; side by side they need this much. Printers shrink it to A4. */
+@page { size: A3 landscape; margin: 12mm; }
 </style>
 """
 
