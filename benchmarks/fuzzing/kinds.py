@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.fuzzing import trial
+from benchmarks.fuzzing import importers, trial
 from benchmarks.fuzzing.archives import spoilt_zip
 from benchmarks.fuzzing.folders import BASES, base, spoilt_folder
 from benchmarks.fuzzing.overrides import spoilt_settings
@@ -31,6 +31,7 @@ KINDS: Mapping[str, Kind] = {
     "scenario page": Kind(spoilt_folder, trial.draft, 1.0),
     "zip": Kind(spoilt_zip, trial.archive, 2.0),
     "--set": Kind(_with_settings, trial.settings, 2.0),
+    **{name: Kind(make, act) for name, make, act in importers.MAKERS},
 }
 
 

@@ -71,7 +71,7 @@ class _Reader:
         others, notices = self._others()
         numbers = {key: self._number(key, default) for key, default in _SETTINGS.items()}
         if self.faults:
-            raise InputError(self.faults[:MAX_FAULTS])
+            raise InputError(list(dict.fromkeys(self.faults))[:MAX_FAULTS])
         title = self.content.get("name")
         named = title if isinstance(title, str) and title.strip() else self.name
         parts: dict[str, Any] = {"name": named[:200], "others": others}
