@@ -96,7 +96,8 @@ class AcBatch:
         voltage_pu = result[ComponentType.node]["u_pu"][:, 1:].copy()
         line = result[ComponentType.line]
         line_kva = np.maximum(line["s_from"], line["s_to"]) / VA_PER_KVA
-        losses_kw = (line["p_from"] + line["p_to"]).sum(axis=1) / VA_PER_KVA
+        with np.errstate(all="ignore"):  # where a flow failed, numbers are anything
+            losses_kw = (line["p_from"] + line["p_to"]).sum(axis=1) / VA_PER_KVA
         failed = self.model.batch_error
         if failed is not None:
             voltage_pu[failed.failed_scenarios] = np.nan

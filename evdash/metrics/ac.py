@@ -13,14 +13,28 @@ from evdash.grid.acflow import AcNetwork
 
 @dataclass(frozen=True, slots=True)
 class AcPoint:
-    """One interval in AC: node voltages, NaN where there is no solution, and limits exceeded."""
+    """One interval in AC: node voltages, NaN where there is no solution, and limits exceeded.
+
+    `failure` says why the power flow could not be asked at all, and nothing is known then:
+    voltages are NaN, too, and no limit is called kept.
+    """
 
     voltage_pu: Floats
     breaches: tuple[Breach, ...]
+    failure: str = ""
 
     @property
     def solved(self) -> bool:
-        return bool(np.isfinite(self.voltage_pu).all())
+        return self.checked and bool(np.isfinite(self.voltage_pu).all())
+
+    @property
+    def checked(self) -> bool:
+        return not self.failure
+
+
+def unchecked_point(scenario: Scenario, failure: str) -> AcPoint:
+    """An interval of which AC power flow could say nothing."""
+    return AcPoint(np.full(len(scenario.nodes) - 1, np.nan), (), failure)
 
 
 def ac_point(network: AcNetwork, scenario: Scenario, interval: int, station_kw: float) -> AcPoint:

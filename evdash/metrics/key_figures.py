@@ -16,7 +16,8 @@ class KeyFigures:
     """Totals of the intervals executed, lowest voltages in them, and what deciding took.
 
     Voltages in pu, None before the first step; the AC ones cover the intervals in
-    `ac_known`, and `ac_breached` counts those of them in which a limit is exceeded in AC.
+    `ac_known`, and `ac_breached` counts those of them in which a limit is exceeded in AC. In
+    `ac_unchecked` of them the power flow itself failed: they count as neither kept nor exceeded.
     """
 
     day: Totals
@@ -25,6 +26,7 @@ class KeyFigures:
     lowest_ac_pu: float | None
     ac_known: int
     ac_breached: int
+    ac_unchecked: int
     solve_seconds: float
     worst_solve_seconds: float
 
@@ -42,7 +44,10 @@ def key_figures(trace: Trace, ahead: Outlook, ac: Mapping[int, AcPoint]) -> KeyF
         lowest_node="" if lowest is None else ahead.nodes[int(lowest)],
         lowest_ac_pu=min(solved, default=None),
         ac_known=len(known),
-        ac_breached=sum(bool(point.breaches) or not point.solved for point in known),
+        ac_breached=sum(
+            point.checked and (bool(point.breaches) or not point.solved) for point in known
+        ),
+        ac_unchecked=sum(not point.checked for point in known),
         solve_seconds=sum(seconds),
         worst_solve_seconds=max(seconds, default=0.0),
     )

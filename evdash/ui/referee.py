@@ -1,9 +1,11 @@
 """AC power flow of what was executed, found in the background: it takes seconds to load.
 
-One worker for the whole server; what it found is kept, bounded, and shared by all sessions.
+One worker for the whole server; what it found is kept, bounded, and shared by all sessions. Where
+it fails, that is a finding, too: a page that waited for it would wait for ever.
 """
 
 import gc
+import logging
 import queue
 import threading
 import time
@@ -13,13 +15,17 @@ from collections.abc import Hashable
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
 from evdash.grid.acflow import AcNetwork
-from evdash.metrics.ac import AcPoint, ac_point
+from evdash.metrics.ac import AcPoint, ac_point, unchecked_point
 
 MOST_RESULTS = 5_000
 MOST_NETWORKS = 4
 MOST_DIGESTS = 64
 FIRST_PAGE_SECONDS = 1.0
 """Loading waits so long after the first page asked, so that its browser is served first."""
+ATTEMPTS = 2
+"""The second with a network built anew: what failed may have left the first in disorder."""
+
+log = logging.getLogger(__name__)
 
 
 class Referee:
@@ -69,6 +75,17 @@ class Referee:
                     self._found.popitem(last=False)
 
     def _find(self, step: Step) -> AcPoint:
+        failure = ""
+        for _ in range(ATTEMPTS):
+            try:
+                return self._flow(step)
+            except Exception as error:  # whatever it is, the worker goes on
+                log.exception("AC power flow of interval %d failed", step.interval)
+                failure = f"{type(error).__name__}: {error}"
+                self._networks.pop(_feeder_key(step.inputs.scenario), None)
+        return unchecked_point(step.inputs.scenario, failure)
+
+    def _flow(self, step: Step) -> AcPoint:
         scenario = step.inputs.scenario
         network = self._network(scenario)
         point = ac_point(network, scenario, step.interval, step.station_kw)

@@ -3,7 +3,7 @@
 import math
 import re
 import string
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 
@@ -14,6 +14,7 @@ from evdash.domain.outlook import Outlook
 from evdash.domain.plan import SolveReport
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
+from evdash.metrics.ac import AcPoint
 from evdash.metrics.totals import Totals
 
 _PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
@@ -200,6 +201,16 @@ def quality(report: SolveReport) -> str:
     if report.status == "optimal":
         return f"**Proven optimal to within 1 cent**; found in {seconds}."
     return f"**At most {money(gap_usd)} from the best possible**; stopped after {seconds}."
+
+
+def unchecked_lines(found: Mapping[int, AcPoint]) -> list[str]:
+    """Intervals of which AC power flow could say nothing, in red, a line for each reason."""
+    failed = Counter(point.failure for point in found.values() if not point.checked)
+    return [
+        f":red[:material/warning: {counted(intervals, 'interval')} could not be checked: the AC "
+        f"power flow itself failed ({plain(failure)}).]"
+        for failure, intervals in failed.items()
+    ]
 
 
 def ac_lines(breaches: list[Breach], scenario: Scenario, outlook: Outlook) -> list[str]:

@@ -58,6 +58,13 @@ def figures(held: list[Held], against: Held) -> None:
             f":material/hourglass_top: {counted(waiting, 'interval')} still being checked by AC "
             "power flow; the two AC rows are of those known so far."
         )
+    for run in held:
+        unchecked = found[run.name].ac_unchecked
+        if unchecked:
+            st.caption(
+                f":red[:material/warning: **{plain(run.name)}**: {counted(unchecked, 'interval')} "
+                "could not be checked by AC power flow; the two AC rows leave them out.]"
+            )
     st.fragment(_look_again, run_every=POLL_SECONDS if waiting else None)(held, waiting)
 
 

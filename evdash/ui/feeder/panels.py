@@ -18,6 +18,7 @@ from evdash.ui.feeder.words import (
 from evdash.ui.parts import chart, table, table_below, told_below, view
 from evdash.ui.reasons import told_binding, told_worths
 from evdash.ui.session import Session
+from evdash.ui.words import unchecked_lines
 
 
 def head(session: Session) -> None:
@@ -122,7 +123,11 @@ def limits_exceeded(session: Session) -> None:
     )
     st.markdown("#### Limits exceeded", help=EXCEEDED_HELP)
     waiting = len(trace.steps) - len(points)
-    for line in verdict(linear, ac, waiting=waiting, begun=bool(trace.steps)):
+    unchecked = unchecked_lines(points)
+    for line in unchecked:
+        st.markdown(line)
+    begun = bool(trace.steps)
+    for line in verdict(linear, ac, waiting=waiting, unchecked=bool(unchecked), begun=begun):
         st.markdown(line)
     for title, is_own in (("Because of charging", False), ("The feeder's own", True)):
         rows = [

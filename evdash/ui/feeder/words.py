@@ -161,9 +161,17 @@ def _depth(depth: float, unit: str) -> str:
 
 
 def verdict(
-    linear: Iterable[Violation], ac: Iterable[Violation], *, waiting: int, begun: bool
+    linear: Iterable[Violation],
+    ac: Iterable[Violation],
+    *,
+    waiting: int,
+    unchecked: bool,
+    begun: bool,
 ) -> list[str]:
-    """What the tables of violations come to, in a line for each model and cause."""
+    """What the tables of violations come to, in a line for each model and cause.
+
+    Nothing is called kept while intervals are `waiting` for AC or could not be checked by it.
+    """
     lines = []
     for found, model in ((tuple(linear), "linearised model"), (tuple(ac), "AC power flow")):
         mine = len({one.element for one in found if one.cause != "feeder"})
@@ -180,7 +188,7 @@ def verdict(
             )
     if waiting:
         lines.append(f":material/hourglass_top: {counted(waiting, 'interval')} being checked …")
-    elif not lines:
+    elif not lines and not unchecked:
         models = "in both models" if begun else "in the linearised model; AC power flow follows"
         lines.append(f":green[:material/check_circle: Every limit holds, {models}.]")
     return lines

@@ -16,7 +16,7 @@ from evdash.ui.glossary import meaning
 from evdash.ui.parts import chart, small_table, table_below, view
 from evdash.ui.referee import referee
 from evdash.ui.session import Session
-from evdash.ui.words import ac_lines, clock, counted
+from evdash.ui.words import ac_lines, clock, counted, unchecked_lines
 
 AC_PATIENCE_SECONDS = 0.06
 """How long a page waits for the AC power flow of its latest step before it goes on without."""
@@ -73,13 +73,16 @@ def _ac_words(session: Session, found: dict[int, AcPoint]) -> None:
         return
     if waiting:
         st.markdown(f":material/hourglass_top: {counted(waiting, 'interval')} being checked …")
-    unsolved = sum(not finding.solved for finding in found.values())
+    for line in unchecked_lines(found):
+        st.markdown(line)
+    unchecked = sum(not finding.checked for finding in found.values())
+    unsolved = sum(finding.checked and not finding.solved for finding in found.values())
     if unsolved:
         st.markdown(f":red[No AC solution in {counted(unsolved, 'interval')}.]")
     breaches = [breach for t in sorted(found) for breach in found[t].breaches if found[t].solved]
     for line in ac_lines(breaches, trace.scenario, ahead):
         st.markdown(f":red[:material/warning: {line}]")
-    if not waiting and not breaches and not unsolved:
+    if not waiting and not breaches and not unsolved and not unchecked:
         st.markdown(":green[:material/check_circle: Every limit holds in AC, too.]")
 
 

@@ -1,0 +1,148 @@
+"""The AC check in the background when it fails: told on every page, and nobody waits for ever."""
+
+import time
+from collections import OrderedDict
+from pathlib import Path
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from evdash.domain.trace import Trace
+from evdash.files.bundled import DEFAULT
+from evdash.files.scenario_folder import read_scenario
+from evdash.grid.acflow import AcNetwork
+from evdash.horizon.day import start_day, step
+from evdash.metrics.ac import AcPoint, ac_point
+from evdash.metrics.key_figures import key_figures
+from evdash.metrics.outlook import outlook
+from evdash.scheduling.p1 import p1_policy
+from evdash.ui import referee as module
+from evdash.ui.referee import ATTEMPTS, Referee, referee
+from evdash.ui.words import unchecked_lines
+from tests.app.test_compare_page import day_of
+
+APP = Path(__file__).parents[2] / "app.py"
+FAILED = "could not be checked: the AC power flow itself failed"
+SECONDS = 120.0
+
+
+class Failing:
+    """Pandapower in trouble: it fails so many times, then works."""
+
+    def __init__(self, times: float) -> None:
+        self.left = times
+
+    def __call__(self, *asked: object) -> AcPoint:
+        self.left -= 1
+        if self.left >= 0:
+            raise MemoryError("no [room] for <b>matrices</b>")
+        return ac_point(*asked)
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "FIRST_PAGE_SECONDS", 0.0)
+
+
+def failing(monkeypatch: pytest.MonkeyPatch, times: float) -> None:
+    monkeypatch.setattr(module, "ac_point", Failing(times))
+
+
+def day(steps: int) -> Trace:
+    trace = start_day(read_scenario(DEFAULT))
+    for _ in range(steps):
+        trace = step(trace, p1_policy())
+    return trace
+
+
+def awaited(asked: Referee, trace: Trace) -> dict[int, AcPoint]:
+    until = time.monotonic() + SECONDS
+    while len(found := asked.findings(trace)) < len(trace.steps) and time.monotonic() < until:
+        time.sleep(0.02)
+    return found
+
+
+def test_a_failure_is_a_finding_and_the_next_interval_is_checked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    failing(monkeypatch, ATTEMPTS)
+    trace = day(2)
+    found = awaited(Referee(), trace)
+    assert (found[0].checked, found[0].solved) == (False, False)
+    assert found[1].solved
+    figures = key_figures(trace, outlook(trace), found)
+    assert (figures.ac_known, figures.ac_unchecked, figures.ac_breached) == (2, 1, 0)
+    assert figures.lowest_ac_pu == pytest.approx(found[1].voltage_pu.min())
+    (line,) = unchecked_lines(found)
+    assert f"1 interval {FAILED}" in line
+    assert "<b>" not in line
+
+
+def test_what_fails_once_is_tried_again_with_a_network_built_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    failing(monkeypatch, 1)
+    built: list[AcNetwork] = []
+
+    class Counted(AcNetwork):
+        def __init__(self, scenario: object) -> None:
+            super().__init__(scenario)
+            built.append(self)
+
+    monkeypatch.setattr(module, "AcNetwork", Counted)
+    found = awaited(Referee(), day(1))
+    assert found[0].solved
+    assert len(built) == 2
+
+
+def app(page: str) -> AppTest:
+    """A page with a step decided, on Compare held against another run."""
+    at = AppTest.from_file(str(APP), default_timeout=120)
+    at.query_params["preset"] = DEFAULT.name
+    at.run()
+    at.button(key="step").click().run()
+    at.switch_page(f"pages/{page}.py").run()
+    if page == "compare":
+        at.button(key="pin").click().run()
+        day_of(at, 1, station__chargers=1)
+    return at
+
+
+def texts(at: AppTest) -> str:
+    return "\n".join(element.value for element in [*at.markdown, *at.caption])
+
+
+def checked(at: AppTest) -> str:
+    """What the page says once it waits for no interval any more."""
+    until = time.monotonic() + SECONDS
+    while "being checked" in texts(at) and time.monotonic() < until:
+        time.sleep(0.1)
+        at.run()
+        assert not at.exception
+    assert "being checked" not in texts(at)
+    return texts(at)
+
+
+@pytest.mark.parametrize("page", ["live", "feeder", "compare"])
+def test_every_page_tells_it_and_waits_no_longer(
+    monkeypatch: pytest.MonkeyPatch, page: str
+) -> None:
+    failing(monkeypatch, float("inf"))
+    monkeypatch.setattr(referee, "_found", OrderedDict())
+    told = checked(app(page))
+    assert ":red[:material/warning:" in told
+    assert "could not be checked" in told
+    assert "Every limit holds" not in told
+
+
+@pytest.mark.parametrize("network", ["lindistflow", "ac"])
+def test_no_ac_solution_is_told_in_red(network: str) -> None:
+    """Loads a hundredfold: no voltages in AC, with the station or without it."""
+    at = app("live")
+    at.segmented_control(key="network").set_value(network).run()
+    at = day_of(at, 2, feeder__load_scale=100)
+    told = checked(at)
+    assert ":red[No AC solution in 2 intervals.]" in told
+    assert "Every limit holds" not in told
+    at.switch_page("pages/feeder.py").run()
+    assert "Every limit holds" not in checked(at)
