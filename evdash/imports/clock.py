@@ -13,16 +13,12 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from evdash.errors import Fault, InputError
 
 PATTERNS = (
-    "%Y-%m-%dT%H:%M:%S%z",
-    "%Y-%m-%dT%H:%M%z",
-    "%Y-%m-%dT%H:%M:%S.%f%z",
-    "%Y-%m-%dT%H:%M:%S.%f",
-    "%Y-%m-%dT%H:%M:%S",
-    "%Y-%m-%dT%H:%M",
-    "%Y-%m-%d",
+    "%Y-%m-%d %H:%M",
+    "%Y-%m-%d %H:%M:%S",
     "%a, %d %b %Y %H:%M:%S GMT",
     "%d.%m.%Y %H:%M",
     "%d.%m.%Y %H:%M:%S",
+    "%d.%m.%Y",
 )
 SLASHED = ("%m/%d/%Y %H:%M", "%m/%d/%Y %H:%M:%S", "%m/%d/%Y %I:%M %p", "%m/%d/%Y %I:%M:%S %p")
 """Month first; the day-first forms are these with %m and %d exchanged."""
@@ -49,14 +45,16 @@ class Reading:
 
 def read_time(text: str, reading: Reading) -> datetime | str:
     """A moment, naive or with its offset; else what is allowed instead."""
-    tidy = re.sub(r"\s+", " ", text.strip())
+    tidy = re.sub(r" (?=[+-]\d\d:?\d\d$)", "", re.sub(r"\s+", " ", text.strip()))
+    try:
+        return datetime.fromisoformat(tidy)  # the most frequent form, and quick
+    except ValueError:
+        pass
     slashed = "/" in tidy
     if slashed and reading.day_first is None:
         first, second = (*re.findall(r"\d+", tidy), "0", "0")[:2]
         if int(first) <= 12 and int(second) <= 12:
             return "should say whether the day or the month comes first (day first: yes or no)"
-    tidy = re.sub(r"^(\d{4}-\d\d-\d\d) (?=\d)", r"\1T", tidy)
-    tidy = re.sub(r"(\.\d{6})\d+", r"\1", tidy)
     patterns: tuple[str, ...] = PATTERNS
     if slashed:
         month_first = not reading.day_first and int(re.findall(r"\d+", tidy)[0]) <= 12

@@ -1,9 +1,8 @@
 """Which column of a table of sessions means what: proposed here, confirmed by the user."""
 
-import re
 from collections.abc import Mapping, Sequence
 
-from evdash.errors import Fault, InputError
+from evdash.imports.columns import proposed_by
 
 FIELDS: Mapping[str, str] = {
     "arrival": "when the vehicle came",
@@ -48,37 +47,8 @@ KNOWN: Mapping[str, Sequence[str]] = {
 
 
 def proposed(columns: Sequence[str]) -> dict[str, str]:
-    """A column for each field whose name is known, the better known name first."""
-    plain = {_plain(column): column for column in reversed(columns)}
-    found = {}
-    for field, names in KNOWN.items():
-        match = next((plain[name.lower()] for name in names if name.lower() in plain), None)
-        if match is not None:
-            found[field] = match
+    """A column for each field whose name is known; a duration only without a departure."""
+    found = proposed_by(KNOWN, columns)
     if "departure" in found:
         found.pop("duration", None)
     return found
-
-
-def _plain(column: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", column.lower())
-
-
-def checked(mapping: Mapping[str, str], columns: Sequence[str]) -> dict[str, str]:
-    """The mapping without blanks; InputError names unknown fields and columns, and what lacks."""
-    faults = []
-    kept = {field: column for field, column in mapping.items() if column}
-    for field, column in kept.items():
-        if field not in FIELDS:
-            faults.append(Fault("mapping", repr(field), f"fields are {', '.join(FIELDS)}"))
-        elif column not in columns:
-            rule = f"columns of the table are {', '.join(columns)}"
-            faults.append(Fault(f"mapping, {field}", repr(column), rule))
-    faults += [
-        Fault(f"mapping, {field}", "no column", f"should be given: {FIELDS[field]}")
-        for field in REQUIRED
-        if field not in kept
-    ]
-    if faults:
-        raise InputError(faults)
-    return kept

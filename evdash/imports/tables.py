@@ -2,7 +2,9 @@
 
 import csv
 import io
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 from evdash.errors import Fault, InputError
@@ -12,17 +14,21 @@ from evdash.imports.workbook import MAX_COLUMNS, MAX_ROWS, is_workbook, read_she
 
 MAX_BYTES = 32 * 1024 * 1024
 LONGEST_CELL = 10_000
+LONGEST_LINE = 200_000
+DECIMAL_COMMA = re.compile(r"[+-]?(\d{1,3}(\.\d{3})+|\d+)(,\d+)?")
 NESTED = ("userInputs",)
 
 
 @dataclass(frozen=True, slots=True)
 class ForeignTable:
-    """Rows of text by column. `places` says where each row stands, `mine.csv, row 7`."""
+    """Rows of text by column. `places` says where each row stands, `mine.csv, row 7`, `notices`
+    what was done to read it."""
 
     name: str
     columns: tuple[str, ...]
     rows: tuple[dict[str, str], ...]
     places: tuple[str, ...]
+    notices: tuple[str, ...] = ()
 
 
 def read_foreign(name: str, content: bytes, sheet: str | None = None) -> ForeignTable:
@@ -44,12 +50,48 @@ def _from_csv(name: str, text: str) -> ForeignTable:
     head = text[:5000].partition("\n")[0]
     delimiter = max(",;\t", key=head.count)
     csv.field_size_limit(LONGEST_CELL)
+    lines = []
     try:
-        lines = list(csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True))
+        for cells in csv.reader(_bounded(name, text), delimiter=delimiter, strict=True):
+            lines.append(cells)
+            if len(lines) > MAX_ROWS:
+                raise InputError([Fault(name, f"more than {MAX_ROWS:,} rows", "at most so many")])
     except csv.Error as error:
         rule = "should be a table with a header"
         raise InputError([Fault(name, f"text that is no CSV ({error})", rule)]) from error
-    return _table(name, name, lines)
+    table = _table(name, name, lines)
+    return table if delimiter == "," else _with_points(table)
+
+
+def _bounded(name: str, text: str) -> Iterator[str]:
+    """Lines of a text, none so long that its cells could fill the memory."""
+    for number, line in enumerate(io.StringIO(text, newline=""), 1):
+        if len(line) > LONGEST_LINE:
+            rule = f"at most {LONGEST_LINE:,}"
+            raise InputError([Fault(f"{name}, line {number}", f"{len(line):,} characters", rule)])
+        yield line
+
+
+def _with_points(table: ForeignTable) -> ForeignTable:
+    """The table with decimal points, where a column has decimal commas: `1.234,5` is 1234.5."""
+    columns = [
+        column
+        for column in table.columns
+        if (told := [row[column] for row in table.rows if "," in row[column]])
+        and all(DECIMAL_COMMA.fullmatch(cell) for cell in told)
+    ]
+    if not columns:
+        return table
+    rows = tuple(
+        row | {c: _point(row[c]) for c in columns if DECIMAL_COMMA.fullmatch(row[c])}
+        for row in table.rows
+    )
+    notice = f"Commas are decimal signs in {', '.join(columns)}."
+    return replace(table, rows=rows, notices=(notice,))
+
+
+def _point(text: str) -> str:
+    return text.replace(".", "").replace(",", ".")
 
 
 def _from_workbook(name: str, content: bytes, sheet: str | None) -> ForeignTable:

@@ -7,7 +7,7 @@ counted and sized before anything is unpacked, rows and columns while they are r
 import io
 import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from datetime import date, datetime, time
+from datetime import MAXYEAR, date, datetime, time, timedelta
 from typing import Any
 
 import openpyxl
@@ -32,9 +32,18 @@ SETTINGS_SHEET = "scenario"
 SHEETS = {file.removesuffix(".csv"): file for file in RECORDS}
 """Sheets of a scenario workbook and the files they stand for; beside them SETTINGS_SHEET."""
 RULE = "should be an Excel workbook (.xlsx)"
+
+
+def _moment_text(moment: datetime) -> str:
+    """A moment to the second: a spreadsheet's are fractions of a day, and seldom exact."""
+    if moment.microsecond and moment.year < MAXYEAR:
+        moment = (moment + timedelta(milliseconds=500)).replace(microsecond=0)
+    return moment.isoformat(timespec="seconds" if moment.second else "minutes")
+
+
 TEXT_OF: Mapping[type, Callable[[Any], str]] = {
     bool: lambda value: str(value).lower(),
-    datetime: lambda value: value.isoformat(timespec="seconds" if value.second else "minutes"),
+    datetime: _moment_text,
     date: lambda value: f"{value.isoformat()}T00:00",
     time: lambda value: f"{value:%H:%M}",
     float: repr,
@@ -245,7 +254,12 @@ def _settings_rows(settings: Raw) -> list[list[object]]:
 def written(sheets: Mapping[str, Sequence[Sequence[object]]]) -> bytes:
     """Sheets of rows, the first a header, as a workbook; no text becomes a formula or a link."""
     target = io.BytesIO()
-    safe = {"in_memory": True, "strings_to_formulas": False, "strings_to_urls": False}
+    safe = {
+        "in_memory": True,
+        "strings_to_formulas": False,
+        "strings_to_urls": False,
+        "default_date_format": "yyyy-mm-dd hh:mm",
+    }
     with xlsxwriter.Workbook(target, safe) as book:
         bold = book.add_format({"bold": True})
         for title, rows in sheets.items():

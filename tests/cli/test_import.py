@@ -72,8 +72,55 @@ def test_a_workbook_brings_the_feeder_and_its_faults_by_sheet_and_row(
     assert not (tmp_path / "t").exists()
 
 
+def hourly(column: str, values: list[float], first: str = "2024-03-31") -> str:
+    times = pd.date_range(first, periods=len(values), freq="1h", tz="Europe/Berlin")
+    rows = [f"{time:%d.%m.%Y %H:%M},{value}" for time, value in zip(times, values, strict=True)]
+    return "\n".join([f"time,{column}", *rows, ""])
+
+
+def test_prices_and_loads_by_date_and_time_run(command: Command, tmp_path: Path) -> None:
+    folder = tmp_path / "s"
+    prices, loads = tmp_path / "prices.csv", tmp_path / "loads.csv"
+    prices.write_text(hourly("price_eur_mwh", [10.0 * h for h in range(26)]))
+    loads.write_text(hourly("load", [4.0 + h % 5 for h in range(26)]))
+    common = ("--zone", "Europe/Berlin", "--from", "2024-03-31", "--into", folder)
+    status, _, err = command("import", "prices", prices, *common)
+    assert status == 2
+    assert "proposed time=time, price=price_eur_mwh; confirm with --accept" in err
+    assert not folder.exists()
+    status, out, _ = command("import", "prices", prices, "--accept", *common)
+    assert status == 0
+    assert "price_per_kwh is price_eur_mwh in $/MWh" in out
+    status, _, err = command("import", "loads", loads, "--accept", *common)
+    assert status == 2
+    assert "unit of load: found none; should be kW, MW, pu" in err
+    status, out, _ = command(
+        "import", "loads", loads, "--accept", "--unit", "load=MW",
+        "--peak-kw", "load=10000", *common,
+    )  # fmt: skip
+    assert status == 0
+    assert "per unit of the stated peak, 10,000 kW" in out
+    scenario = read_scenario(folder)
+    assert [row.price_per_kwh for row in scenario.profile] == [h / 100 for h in range(24)]
+    assert [row.load_pu for row in scenario.profile] == [(4 + h % 5) / 10 for h in range(24)]
+    assert command("run", folder, "--out", tmp_path / "out")[0] == 0
+    assert command("audit", tmp_path / "out")[0] == 0
+
+
+def test_a_week_of_prices_is_a_week_of_days(command: Command, tmp_path: Path) -> None:
+    week = tmp_path / "week.csv"
+    week.write_text(hourly("price_per_kwh", [h / 1000 for h in range(168)], "2024-05-06"))
+    options = ("--accept", "--zone", "Europe/Berlin", "--from", "2024-05-06", "--days", "7")
+    assert command("import", "prices", week, *options, "--into", tmp_path / "s")[0] == 0
+    scenario = read_scenario(tmp_path / "s")
+    assert [row.price_per_kwh for row in scenario.profile] == [h / 1000 for h in range(168)]
+
+
 def test_help_is_complete(command: Command) -> None:
     assert "feeder" in command("import", "--help")[1]
     for option in ("--into", "--base", "--source", "--station", "--set"):
         assert option in command("import", "feeder", "--help")[1]
+    for option in ("--unit", "--days", "--hold", "--at-end", "--zone", "--accept", "--peak-kw"):
+        assert option in command("import", "loads", "--help")[1]
+    assert "--peak-kw" not in command("import", "prices", "--help")[1]
     assert "case33bw" in command("import", "networks")[1]

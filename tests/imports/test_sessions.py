@@ -15,7 +15,8 @@ from evdash.horizon.arrivals import arrivals_of
 from evdash.horizon.day import run_day, start_day
 from evdash.imports.clock import Reading, read_time
 from evdash.imports.session_columns import proposed
-from evdash.imports.sessions import SessionRules, with_sessions
+from evdash.imports.session_rows import SessionRules
+from evdash.imports.sessions import with_sessions
 from evdash.imports.tables import read_foreign
 from evdash.imports.workbook import written
 from evdash.metrics.totals import totals

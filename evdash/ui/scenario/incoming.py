@@ -11,7 +11,8 @@ from evdash.imports.clock import Reading
 from evdash.imports.feeder import feeder_of_net, with_network
 from evdash.imports.pandapower_json import decoded_json, is_pandapower, read_net
 from evdash.imports.session_columns import FIELDS, REQUIRED, proposed
-from evdash.imports.sessions import HOURS, MOST_DAYS, SessionRules, with_sessions
+from evdash.imports.session_rows import HOURS, SessionRules
+from evdash.imports.sessions import MOST_DAYS, with_sessions
 from evdash.imports.tables import ForeignTable, read_foreign
 from evdash.ui.scenario.editor import Editor, Said
 from evdash.ui.words import counted, plain
