@@ -51,15 +51,6 @@ def table_below(
             table(rows(), f"The numbers of the {name} chart")
 
 
-def told_below(session: Session, name: str, label: str, tell: Callable[[], list[str]]) -> None:
-    """Paragraphs that take solving, worked out only when opened, once for each trace."""
-    box = st.expander(label, key=f"told_{name}", type="compact", on_change="rerun")
-    if box.open:
-        with box, st.spinner("Solving again …"):
-            for line in session.once(f"told_{name}", tell):
-                st.markdown(line)
-
-
 def table(rows: list[dict[str, object]], alt: str) -> None:
     """Rows as a data grid."""
     st.dataframe(pd.DataFrame(rows), hide_index=True, alt=alt)

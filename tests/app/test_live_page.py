@@ -1,18 +1,23 @@
 """The Live page without a browser: every preset, every control."""
 
+import threading
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from evdash.domain.trace import Trace
 from evdash.explain.refusals import explain_vehicle
 from evdash.files.bundled import bundled_scenarios
+from evdash.ui.live import decision
 from evdash.ui.reasons import told_revision, told_worths
 from evdash.ui.session import KEY, Session
 from evdash.ui.words import plain
 
 APP = Path(__file__).parents[2] / "app.py"
+WAITING = "Being found out"
 PRESETS = [folder.name for folder in bundled_scenarios()]
 
 
@@ -213,11 +218,28 @@ def test_a_refusal_that_is_picked_is_explained() -> None:
     picker.set_value(refused[0]).run()
     assert not at.exception
     told = explain_vehicle(trace, refused[0])
-    shown = [text.value for text in at.markdown]
+    shown = found_out(at)
     assert plain(told.detail) in shown
     assert plain(told.remedy) in shown
     clicked(at, "step", 5)
     assert at.selectbox(key="why").value == refused[0]
+
+
+def test_no_step_waits_for_an_explanation(monkeypatch: pytest.MonkeyPatch) -> None:
+    at, go_on = opened(steps=19), threading.Event()
+    refused = session(at).run.trace.steps[-1].plan.refused[0].vehicle
+
+    def slowly(trace: Trace, vehicle: str) -> list[str]:
+        go_on.wait(600)
+        return [f"{vehicle} explained at last."]
+
+    monkeypatch.setattr(decision, "told_why", slowly)
+    at.selectbox(key="why").set_value(refused).run()
+    assert any(WAITING in text.value for text in at.markdown)
+    clicked(at, "step", 2)
+    assert now(at) == 21
+    go_on.set()
+    assert f"{refused} explained at last." in found_out(at)
 
 
 def test_voltages_are_shown_three_ways() -> None:
@@ -245,4 +267,14 @@ def opened_texts(at: AppTest, key: str) -> list[str]:
     at.session_state[key] = True
     at.run()
     assert not at.exception
+    return found_out(at)
+
+
+def found_out(at: AppTest) -> list[str]:
+    """All paragraphs of the page once nothing is being found out any more."""
+    until = time.monotonic() + 120
+    while any(WAITING in text.value for text in at.markdown) and time.monotonic() < until:
+        time.sleep(0.1)
+        at.run()
+        assert not at.exception
     return [text.value for text in at.markdown]

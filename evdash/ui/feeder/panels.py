@@ -15,9 +15,10 @@ from evdash.ui.feeder.words import (
     verdict,
     violation_rows,
 )
-from evdash.ui.parts import chart, table, table_below, told_below, view
+from evdash.ui.parts import chart, table, table_below, view
 from evdash.ui.reasons import told_binding, told_worths
 from evdash.ui.session import Session
+from evdash.ui.telling import told_below
 from evdash.ui.words import unchecked_lines
 
 
@@ -78,9 +79,9 @@ def headroom(session: Session) -> None:
     table_below("headroom", lambda: headroom_table(ahead, names))
     trace = session.run.trace
     if trace.steps:
-        told_below(session, "binding", "What binds, and when", lambda: told_binding(trace))
+        told_below("binding", "What binds, and when", trace, told_binding)
     if trace.is_over:
-        told_below(session, "worth", "What would more have been worth?", lambda: told_worths(trace))
+        told_below("worth", "What would more have been worth?", trace, told_worths)
 
 
 HEADROOM_HELP = (

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from evdash.ui.parts import small_table, table_below, told_below, view
+from evdash.ui.parts import small_table, table_below, view
 from evdash.ui.reasons import (
     refused_latest_first,
     told_binding,
@@ -11,6 +11,7 @@ from evdash.ui.reasons import (
     told_worths,
 )
 from evdash.ui.session import Session
+from evdash.ui.telling import refused_in, told_below, told_later
 from evdash.ui.words import (
     clock,
     decision_lines,
@@ -35,14 +36,10 @@ def decision(session: Session) -> None:
             small_table(rows, height=290)
             table_below("requests", lambda: _reasons(session), "All answers in full")
         why(session)
-        told_below(
-            session, "revision", "What changed from the plan before", lambda: told_revision(trace)
-        )
-        told_below(session, "binding", "What binds, and when", lambda: told_binding(trace))
+        told_below("revision", "What changed from the plan before", trace, told_revision)
+        told_below("binding", "What binds, and when", trace, told_binding)
         if trace.is_over:
-            told_below(
-                session, "worth", "What would more have been worth?", lambda: told_worths(trace)
-            )
+            told_below("worth", "What would more have been worth?", trace, told_worths)
 
 
 INTRODUCTION = (
@@ -87,7 +84,7 @@ def _reasons(session: Session) -> list[dict[str, object]]:
 def why(session: Session) -> None:
     """Why one vehicle was refused and what would have admitted it, for the one that is picked.
 
-    Found by solving again, so never before it is asked for.
+    Found by solving again, so never before it is asked for, and in the background.
     """
     trace = session.run.trace
     refused = refused_latest_first(trace)
@@ -102,9 +99,7 @@ def why(session: Session) -> None:
         help=WHY_HELP,
     )
     if picked:
-        with st.container(key="why_told"), st.spinner("Solving again …"):
-            for line in session.once("why", lambda: told_why(trace, picked), detail=picked):
-                st.markdown(line)
+        told_later("why_told", refused_in(trace, picked), picked, lambda: told_why(trace, picked))
 
 
 WHY_HELP = (

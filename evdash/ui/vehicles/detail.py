@@ -1,7 +1,5 @@
 """One vehicle: its contract, its power and battery, its plan as revised, and why."""
 
-from collections.abc import Callable, Hashable
-
 import streamlit as st
 
 from evdash.charts.plan_history import history_alt, history_figure, history_table
@@ -11,13 +9,11 @@ from evdash.metrics.vehicles import VehicleDay, plan_history, vehicle_day
 from evdash.ui.parts import chart, table_below, view
 from evdash.ui.reasons import told_revision_at, told_why
 from evdash.ui.session import Session
-from evdash.ui.vehicles.background import refused_in, teller
+from evdash.ui.telling import refused_in, told_later
 from evdash.ui.vehicles.choice import by_name
 from evdash.ui.vehicles.picked import pick_typed
 from evdash.ui.vehicles.words import change_lines, contract_lines, title
 from evdash.ui.words import clock, plain
-
-POLL_SECONDS = 0.4
 
 
 def detail(session: Session, picked: str) -> None:
@@ -130,9 +126,7 @@ def _why(session: Session, day: VehicleDay) -> None:
     trace, vehicle = session.run.trace, day.record.vehicle
     st.markdown("##### Why, and what would have admitted it", help=WHY_HELP)
     st.markdown(f"In short: {plain(day.record.reason)}.")
-    _told_later(
-        "why_refused", refused_in(trace, vehicle), vehicle, lambda: told_why(trace, vehicle)
-    )
+    told_later("why_refused", refused_in(trace, vehicle), vehicle, lambda: told_why(trace, vehicle))
 
 
 WHY_HELP = (
@@ -154,31 +148,9 @@ def _why_changed(session: Session, intervals: list[int]) -> None:
         help="Told for all contracts together. Found by solving once more without the newcomers.",
     )
     if at is not None:
-        _told_later(
+        told_later(
             "why_changed",
             trace.steps[at],
             "revision",
             lambda: told_revision_at(trace, at),
         )
-
-
-def _told_later(name: str, about: object, what: Hashable, tell: Callable[[], list[str]]) -> None:
-    """Paragraphs that take solving; until they are known, the page goes on without them."""
-    known = teller.told(about, what, tell) is not None
-    st.fragment(_told, run_every=None if known else POLL_SECONDS, key=name)(
-        name, about, what, tell, awaited=not known
-    )
-
-
-def _told(
-    name: str, about: object, what: Hashable, tell: Callable[[], list[str]], *, awaited: bool
-) -> None:
-    with st.container(key=name):
-        told = teller.told(about, what, tell)
-        if told is None:
-            st.markdown(":material/hourglass_top: Being found out by solving again …")
-            return
-        for line in told:
-            st.markdown(line)
-    if awaited:
-        st.rerun()
