@@ -32,26 +32,42 @@ def interval_minutes_of(settings: Mapping[str, Any]) -> int:
 
 
 def with_days(draft: Draft, start: datetime, count: int) -> tuple[Draft, list[str]]:
-    """The draft beginning at `start` with `count` intervals, its profile repeated by clock time."""
+    """The draft beginning at `start` with `count` intervals.
+
+    Its profile is kept at the moments it has; at others its first day is repeated by clock time.
+    """
     settings = dict(draft.settings)
-    told = ["Prices, loads and generation repeat the scenario's first day by clock time."]
+    told = []
     if settings.pop("arrivals_until", None) is not None:
         told.append("arrivals_until is left out: vehicles may arrive until the end.")
     minutes = int(settings["interval_minutes"])
     began = start_of(settings)
+    known: dict[datetime, Row] = {}
     by_clock: dict[time, Row] = {}
     for row in draft.tables.get("profile.csv", ()):
         if row["interval"].isdigit():
             moment = began + timedelta(minutes=minutes * int(row["interval"]))
+            known[moment] = row
             by_clock.setdefault(moment.time(), row)
-    clocks = [(start + timedelta(minutes=minutes * t)).time() for t in range(count)]
-    missing = sorted({clock for clock in clocks if clock not in by_clock})
+    moments = [start + timedelta(minutes=minutes * t) for t in range(count)]
+    missing = sorted({m.time() for m in moments if m not in known and m.time() not in by_clock})
     if missing:
         found = f"no row for {missing[0]:%H:%M}" + (
             f" and {len(missing) - 1} other times" if len(missing) > 1 else ""
         )
         rule = "the profile should have every clock time of a day, to be repeated"
         raise InputError([Fault("profile.csv", found, rule)])
-    profile = tuple(by_clock[clock] | {"interval": str(t)} for t, clock in enumerate(clocks))
+    profile = tuple(
+        (known.get(moment) or by_clock[moment.time()]) | {"interval": str(t)}
+        for t, moment in enumerate(moments)
+    )
+    kept = sum(moment in known for moment in moments)
+    if kept:
+        told.append(f"Prices, loads and generation are kept in {kept} intervals.")
+    if kept < count:
+        where = "in the others" if kept else "all through"
+        told.append(
+            f"Prices, loads and generation repeat the scenario's first day by clock time {where}."
+        )
     settings |= {"start": start.strftime(LOCAL_TIME_FORMAT), "intervals": count}
     return draft.with_settings(settings).with_table("profile.csv", profile), told

@@ -12,6 +12,7 @@ from evdash.grid.nets.feeder import ConvertedFeeder
 from evdash.grid.nets.records import Net
 from evdash.grid.nets.referee import AcDifference, ac_difference
 from evdash.grid.nets.shipped import SHIPPED, shipped_json
+from evdash.grid.nets.tree import label
 from evdash.imports.pandapower_json import read_net
 
 FULL = "1.0"
@@ -47,6 +48,21 @@ def shipped_net(name: str) -> tuple[Net, tuple[str, ...]]:
     return read_net(name, shipped_json(name))
 
 
+def supplies_of(net: Net) -> dict[str, str]:
+    """The buses a network can be supplied from: index as text, as `source` takes it, to label."""
+    buses = {bus.index: bus for bus in net.bus if bus.in_service}
+    grids = [grid.bus for grid in net.ext_grid if grid.in_service and grid.bus in buses]
+    return {str(bus): label(buses[bus]) for bus in grids}
+
+
+def station_in(draft: Draft, feeder: ConvertedFeeder) -> str:
+    """The node the station has now, where the feeder has one of that name; else the one with the
+    largest load."""
+    there = _table(draft.settings, "station").get("node")
+    names = {node.node for node in feeder.nodes} - {feeder.source_node}
+    return there if isinstance(there, str) and there in names else feeder.heaviest_node()
+
+
 def with_network(
     draft: Draft, imported: ImportedFeeder, station: str | None = None
 ) -> tuple[Draft, tuple[str, ...]]:
@@ -58,14 +74,13 @@ def with_network(
     feeder = imported.feeder
     settings = dict(draft.settings)
     settings["feeder"] = _table(settings, "feeder") | _feeder_settings(feeder)
-    names = {node.node for node in feeder.nodes}
     told = ["Loads are the file's at peak: load_scale is 1."]
-    there = _table(settings, "station").get("node")
-    if station is None and there not in names - {feeder.source_node}:
-        station = feeder.heaviest_node()
-        told.append(f"The station is put at {station}, the node with the largest load.")
-    if station is not None:
-        settings["station"] = _table(settings, "station") | {"node": station}
+    there = _table(settings, "station")
+    if station is None:
+        station = station_in(draft, feeder)
+        if station != there.get("node"):
+            told.append(f"The station is put at {station}, the node with the largest load.")
+    settings["station"] = there | {"node": station}
     changed = draft.with_settings(settings)
     changed = changed.with_table("nodes.csv", tuple(_row(node, Node) for node in feeder.nodes))
     changed = changed.with_table("lines.csv", tuple(_row(line, Line) for line in feeder.lines))

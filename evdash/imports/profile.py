@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from datetime import date, datetime, timedelta
+from datetime import date, datetime, time, timedelta
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from evdash.imports.series import (
     means,
     missing_runs,
     moment_of,
+    time_in,
     usual_step_s,
 )
 from evdash.imports.tables import ForeignTable
@@ -112,6 +113,20 @@ def with_profile(
     if kept:
         told.append(f"As before, interval by interval: {', '.join(kept)}.")
     return _with_rows(draft, known), (*moved, *told)
+
+
+def first_day_for(draft: Draft, table: ForeignTable, column: str, reading: Reading) -> date | None:
+    """The table's first whole day, where the scenario's own is none of its days; else None."""
+    try:
+        own = start_of(draft.settings).date()
+    except InputError:
+        return None
+    ends = [time_in(table.rows[i][column], reading) for i in (0, -1)] if column else []
+    days = sorted(end.date() for end in ends if isinstance(end, datetime))
+    if len(days) < 2 or days[0] <= own <= days[1]:
+        return None
+    first = min(end.replace(tzinfo=None) for end in ends if isinstance(end, datetime))
+    return days[0] if first.time() == time() or days[0] == days[1] else days[0] + timedelta(1)
 
 
 def _refuse_unstated(fields: list[str], rules: ProfileRules) -> None:

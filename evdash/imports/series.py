@@ -26,7 +26,7 @@ ENOUGH = 1e-6
 
 def in_order(table: ForeignTable, column: str, reading: Reading) -> tuple[ForeignTable, list[str]]:
     """The table from its earliest row on where it runs backwards in time, and that it did."""
-    first, last = (_time_in(row[column], reading) for row in (table.rows[0], table.rows[-1]))
+    first, last = (time_in(row[column], reading) for row in (table.rows[0], table.rows[-1]))
     if isinstance(first, str) or isinstance(last, str) or first.tzinfo != last.tzinfo:
         return table, []
     if first <= last:
@@ -35,7 +35,8 @@ def in_order(table: ForeignTable, column: str, reading: Reading) -> tuple[Foreig
     return turned, ["Rows run backwards in time and were read from the last one on."]
 
 
-def _time_in(text: str, reading: Reading) -> datetime | str:
+def time_in(text: str, reading: Reading) -> datetime | str:
+    """A cell's moment, a span's beginning; else what is allowed instead."""
     return read_time(text.partition(SPAN)[0], reading) if text else "should be a date and time"
 
 
@@ -66,7 +67,7 @@ class Moments:
 
     def _read(self, text: str, where: str, before: datetime | None) -> datetime | None:
         """A row's moment: in UTC where its offset is known, else as it stands."""
-        moment = _time_in(text, self.reading)
+        moment = time_in(text, self.reading)
         if isinstance(moment, str):
             self.faults.append(Fault(where, shown(text), moment))
             return None

@@ -1,5 +1,6 @@
 """Recorded sessions as a scenario's arrivals, by the rules of `docs/importing.md`."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import date, datetime, time, timedelta
@@ -59,6 +60,14 @@ def with_sessions(
         *kept,
     ]
     return changed.with_settings(settings).with_table("arrivals.csv", rows), tuple(told)
+
+
+def days_of(table: ForeignTable, rules: SessionRules) -> dict[date, int]:
+    """How many sessions begin on each day that has any; InputError where they cannot be read."""
+    columns = checked(rules.columns, table.columns, FIELDS, REQUIRED)
+    rules = replace(rules, reading=_in_zone(table, rules.reading))
+    read, _ = SessionReader(table, columns, rules).sessions()
+    return dict(sorted(Counter(session.arrival.date() for session in read).items()))
 
 
 def _in_zone(table: ForeignTable, reading: Reading) -> Reading:

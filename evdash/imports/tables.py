@@ -94,6 +94,25 @@ def _point(text: str) -> str:
     return text.replace(".", "").replace(",", ".")
 
 
+def read_foreign_sheets(name: str, content: bytes) -> dict[str, ForeignTable]:
+    """Every table in a file by its sheet, that of any other file by a blank.
+
+    InputError where there is none; sheets that hold no table are left out beside one that does.
+    """
+    if not is_workbook(name):
+        return {"": read_foreign(name, content)}
+    tables: dict[str, ForeignTable] = {}
+    faults: list[Fault] = []
+    for title, rows in read_sheets(name, content).items():
+        try:
+            tables[title] = _table(name, f"{name}, sheet {title}", [list(row) for row in rows])
+        except InputError as error:
+            faults += error.faults
+    if not tables:
+        raise InputError(faults)
+    return tables
+
+
 def _from_workbook(name: str, content: bytes, sheet: str | None) -> ForeignTable:
     sheets = {title: rows for title, rows in read_sheets(name, content).items() if rows}
     if sheet is None and len(sheets) > 1:

@@ -6,7 +6,8 @@ counted and sized before anything is unpacked, rows and columns while they are r
 
 import io
 import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import MAXYEAR, date, datetime, time, timedelta
 from typing import Any
 
@@ -31,6 +32,16 @@ MAX_COLUMNS = 200
 SETTINGS_SHEET = "scenario"
 SHEETS = {file.removesuffix(".csv"): file for file in RECORDS}
 """Sheets of a scenario workbook and the files they stand for; beside them SETTINGS_SHEET."""
+UNREADABLE = (
+    *UNZIPPABLE,
+    InvalidFileException,
+    LookupError,
+    SyntaxError,  # XML that is none
+    TypeError,
+    AttributeError,
+    ArithmeticError,  # a date beyond the calendar
+)
+"""What openpyxl raises on files that are no workbooks, or broken ones."""
 RULE = "should be an Excel workbook (.xlsx)"
 
 
@@ -64,17 +75,34 @@ def read_sheets(name: str, content: bytes) -> dict[str, Sheet]:
     Formulas count by the value last calculated. Raises InputError where the file is no workbook
     or larger than allowed.
     """
-    _refuse_bomb(name, content)
-    try:
-        book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=True)
+    with _opened(name, content) as book:
         if len(book.sheetnames) > MAX_SHEETS:
             found = f"{len(book.sheetnames)} sheets"
             raise InputError([Fault(name, found, f"at most {MAX_SHEETS}")])
         return {sheet.title: _rows(name, sheet) for sheet in book.worksheets}
-    except (InvalidFileException, KeyError, SyntaxError, TypeError, AttributeError) as error:
+
+
+def sheet_names(name: str, content: bytes) -> list[str]:
+    """The sheets of a workbook by name; InputError where the file is none."""
+    with _opened(name, content) as book:
+        return [str(title) for title in book.sheetnames]
+
+
+@contextmanager
+def _opened(name: str, content: bytes) -> Iterator[Any]:
+    """A workbook to read from; whatever is wrong with it, then or while it is read, is told."""
+    _refuse_bomb(name, content)
+    book = None
+    try:
+        book = openpyxl.load_workbook(
+            io.BytesIO(content), read_only=True, data_only=True, keep_links=False
+        )
+        yield book
+    except UNREADABLE as error:
         raise InputError([Fault(name, f"a file that cannot be read ({error})", RULE)]) from error
-    except UNZIPPABLE as error:
-        raise InputError([Fault(name, f"a file that cannot be read ({error})", RULE)]) from error
+    finally:
+        if book is not None:
+            book.close()
 
 
 def _refuse_bomb(name: str, content: bytes) -> None:

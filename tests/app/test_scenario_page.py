@@ -1,4 +1,4 @@
-"""The Scenario page without a browser: edit, take in, begin a day, hand out."""
+"""The Scenario page without a browser: edit, take files in, begin a day, hand out."""
 
 import io
 from pathlib import Path
@@ -11,7 +11,6 @@ from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.draft import draft_of, files_of, read_draft, scenario_of, zipped
 from evdash.files.folder import read_zip
 from evdash.files.scenario_folder import read_scenario, scenario_files
-from evdash.grid.nets.shipped import shipped_json
 from evdash.imports.workbook import scenario_workbook
 from evdash.ui import run as runs
 from evdash.ui.scenario.editor import KEY as DRAFT
@@ -289,30 +288,6 @@ def test_the_download_is_what_would_be_applied() -> None:
     packed = zipped(scenario_files(scenario), "x")
     assert scenario_of(read_draft(read_zip(io.BytesIO(packed), "x.zip"))) == scenario
     assert draft_of(scenario) == editor(at).draft
-
-
-def test_an_uploaded_network_replaces_the_feeder_and_tells_how() -> None:
-    at = opened()
-    upload(at, **{"net.json": shipped_json("four_bus")})
-    assert editor(at).check()[0].feeder.source_node == "bus1ref"
-    assert any("AC power flow at full load" in text.value for text in at.markdown)
-    press(at, "undo_scenario")
-    assert not editor(at).is_edited
-
-
-def test_sessions_wait_for_their_columns_to_be_confirmed() -> None:
-    at = opened()
-    text = "id,came,left,kwh\na,2019-03-01 06:00,2019-03-01 16:00,9\n"
-    before = editor(at).draft
-    upload(at, **{"mine.csv": text.replace("came", "start").encode()})
-    assert editor(at).draft is before
-    at.selectbox(key="sessions:mine.csv:departure").set_value("left").run()
-    press(at, "confirm_sessions")
-    scenario = editor(at).check()[0]
-    assert [v.vehicle for v in scenario.arrivals.vehicles] == ["a"]
-    assert scenario.intervals == 24
-    press(at, "undo_scenario")
-    assert editor(at).draft is before
 
 
 def test_a_workbook_replaces_the_sheets_it_has() -> None:

@@ -9,8 +9,8 @@ from evdash.domain.scenario import GeneratedArrivals, Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft, Rows, draft_of, files_of, scenario_of
 from evdash.files.validate import Raw
-from evdash.imports.tables import ForeignTable
 from evdash.ui.edits import with_settings_kept
+from evdash.ui.scenario.waiting import WaitingNetwork, WaitingTable
 from evdash.ui.session import Session
 
 KEY = "evdash:draft"
@@ -46,7 +46,9 @@ class Editor:
         self.revision = 0
         self.said: Said | None = None
         self.uploaded: set[str] = set()
-        self.waiting: ForeignTable | None = None
+        self.waiting: WaitingTable | None = None
+        self.network: WaitingNetwork | None = None
+        self._number = 0
         self._before: list[Draft] = []
         self._checked: tuple[Draft, Scenario | None, tuple[Fault, ...]] | None = None
 
@@ -58,6 +60,11 @@ class Editor:
     @property
     def can_undo(self) -> bool:
         return bool(self._before)
+
+    def next_number(self) -> int:
+        """A number of its own for whatever comes to wait."""
+        self._number += 1
+        return self._number
 
     def take(self, draft: Draft, said: Said | None = None) -> None:
         """Replace the draft as a whole; what it was can be had back."""

@@ -26,7 +26,7 @@ def outcome(session: Session, editor: Editor) -> None:
             f"{'it is' if len(faults) == 1 else 'they are'} mended; nothing you entered is lost.",
             icon=":material/error:",
         )
-        _faults(faults)
+        fault_table(faults)
     with st.container(horizontal=True, vertical_alignment="center", key="scenario_actions"):
         _begin(session, editor, scenario)
         _download(editor, scenario)
@@ -38,7 +38,7 @@ def _said(editor: Editor) -> None:
         return
     if editor.said.faults:
         st.error(f"**{editor.said.title}**", icon=":material/block:")
-        _faults(editor.said.faults)
+        fault_table(editor.said.faults)
     else:
         st.success(editor.said.title, icon=":material/check_circle:")
         if editor.said.notes:
@@ -46,7 +46,8 @@ def _said(editor: Editor) -> None:
                 st.markdown("\n".join(f"- {plain(note)}" for note in editor.said.notes))
 
 
-def _faults(faults: tuple[Fault, ...]) -> None:
+def fault_table(faults: tuple[Fault, ...]) -> None:
+    """Faults, each with its place, what was found and what is allowed."""
     rows: list[dict[str, object]] = [
         {"Where": fault.place, "Found": fault.found, "Allowed": fault.allowed}
         for fault in faults[:SHOWN_FAULTS]

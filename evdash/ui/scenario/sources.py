@@ -19,22 +19,24 @@ from evdash.files.draft import (
 from evdash.files.folder import read_zip
 from evdash.files.scenario_folder import SETTINGS
 from evdash.files.tables import decode
-from evdash.imports.session_columns import REQUIRED, proposed
+from evdash.imports.tables import read_foreign_sheets
 from evdash.imports.workbook import (
     SETTINGS_SHEET,
     SHEETS,
     in_sheets,
     is_workbook,
-    read_sheets,
     scenario_parts,
+    sheet_names,
 )
 from evdash.ui.scenario.editor import Editor, Said, present_scenario
-from evdash.ui.scenario.incoming import (
+from evdash.ui.scenario.feeder_form import (
+    feeder_form,
     is_network,
-    sessions_form,
-    waiting_table,
-    with_uploaded_network,
+    read_network,
+    shipped_choice,
 )
+from evdash.ui.scenario.table_form import table_form
+from evdash.ui.scenario.waiting import WaitingNetwork, WaitingTable
 from evdash.ui.session import Session, bundled, bundled_names
 from evdash.ui.words import counted, plain
 
@@ -44,8 +46,8 @@ UPLOAD_HELP = (
     "A .zip of a scenario folder replaces everything; a single nodes.csv, lines.csv, profile.csv, "
     "fleet.csv, arrivals.csv, "
     "events.csv or scenario.toml replaces that file only, an .xlsx the sheets it has. A pandapower "
-    ".json replaces the feeder; recorded sessions (.json, .csv, .xlsx) replace the vehicles once "
-    "their columns are confirmed. Files stay on this computer."
+    ".json is a feeder; other tables (.json, .csv, .xlsx) are recorded sessions, prices or loads. "
+    "Both wait until you confirm what they are. Files stay on this computer."
 )
 
 
@@ -72,6 +74,7 @@ def sources(session: Session, editor: Editor) -> None:
             disabled=not editor.can_undo,
             help="Back to before the last file or scenario was taken in.",
         )
+        shipped_choice(editor)
     with right:
         files = st.file_uploader(
             "Or bring your own files",
@@ -85,7 +88,8 @@ def sources(session: Session, editor: Editor) -> None:
         if new:
             editor.uploaded |= {file.file_id for file in new}
             receive(editor, {file.name: file.getvalue() for file in new})
-    sessions_form(editor)
+    feeder_form(editor)
+    table_form(editor)
 
 
 def _take(session: Session, editor: Editor) -> None:
@@ -95,39 +99,54 @@ def _take(session: Session, editor: Editor) -> None:
 
 
 def receive(editor: Editor, files: Mapping[str, bytes]) -> None:
-    """Take uploaded files in, or say of every one of them why it cannot be."""
+    """Take uploaded files in, or say of every one of them why it cannot be.
+
+    Networks and tables of any columns wait to be confirmed, one of each at a time.
+    """
     draft, faults, told = editor.draft, [], []
-    notes: tuple[str, ...] = ()
+    table: WaitingTable | None = None
+    network: WaitingNetwork | None = None
     for name, content in files.items():
         try:
             if is_network(name, content):
-                draft, what, notes = with_uploaded_network(draft, name, content)
-            elif may_be_sessions(name, content):
-                editor.waiting = waiting_table(name, content)
-                continue
+                _alone(network, name)
+                network = read_network(name, content, editor.next_number())
+            elif is_foreign(name, content):
+                _alone(table, name)
+                table = WaitingTable(read_foreign_sheets(name, content), editor.next_number())
             else:
                 draft, what = taken_in(draft, name, content)
+                told.append(what)
         except InputError as error:
             faults += list(error.faults)
-        else:
-            told.append(what)
     if faults:
         editor.said = Said("Nothing was taken in; your work is as it was.", tuple(faults))
-    elif told:
-        editor.take(draft, Said(" ".join(told), notes=notes))
+        return
+    editor.waiting, editor.network = table or editor.waiting, network or editor.network
+    if told:
+        editor.take(draft, Said(" ".join(told)))
+    elif table or network:
+        editor.said = None
 
 
-def may_be_sessions(name: str, content: bytes) -> bool:
-    """Whether a file is a table that is none of a scenario's, as sessions are."""
+def _alone(waiting: object, name: str) -> None:
+    """Refuse a second file that waits to be confirmed."""
+    if waiting is not None:
+        rule = "should come by itself, as it waits to be confirmed"
+        raise InputError([Fault(name, "one more file of its kind", rule)])
+
+
+def is_foreign(name: str, content: bytes) -> bool:
+    """Whether a file is a table that is none of a scenario's, as sessions or prices are."""
     if name.lower().endswith(".json"):
         return True
     if is_workbook(name):
-        return not (set(SHEETS) | {SETTINGS_SHEET}) & set(read_sheets(name, content))
+        return not (set(SHEETS) | {SETTINGS_SHEET}) & set(sheet_names(name, content))
     if not name.lower().endswith(".csv") or table_for(name, content) is not None:
         return False
     text, unreadable = decode(name, content)
-    columns = re.split("[,;\t]", text.partition("\n")[0])
-    return not unreadable and set(REQUIRED) <= set(proposed([c.strip() for c in columns]))
+    head, _, rest = text.partition("\n")
+    return not unreadable and bool(rest.strip()) and len(re.split("[,;\t]", head)) > 1
 
 
 def taken_in(draft: Draft, name: str, content: bytes) -> tuple[Draft, str]:

@@ -1,0 +1,283 @@
+"""A table of any columns on its way in: what it holds, what its columns mean, which days of it."""
+
+from collections.abc import Mapping, Sequence
+from datetime import date
+
+import streamlit as st
+
+from evdash.errors import InputError
+from evdash.imports import profile_columns, session_columns
+from evdash.imports.clock import Reading
+from evdash.imports.profile import (
+    MOST_DAYS as MOST_PROFILE_DAYS,
+)
+from evdash.imports.profile import (
+    ProfileRules,
+    first_day_for,
+    with_profile,
+)
+from evdash.imports.session_rows import HOURS, SessionRules
+from evdash.imports.sessions import MOST_DAYS, days_of, with_sessions
+from evdash.imports.tables import ForeignTable
+from evdash.ui.scenario.editor import Editor, Said
+from evdash.ui.scenario.waiting import WaitingTable
+from evdash.ui.words import counted, plain
+
+NONE = ""
+SESSIONS, VALUES = "Recorded sessions", "Prices or loads by time"
+ORDERS = {"as they say": None, "day first": True, "month first": False}
+EARLIEST, LATEST = date(1900, 1, 1), date(2999, 12, 31)
+
+
+def table_form(editor: Editor) -> None:
+    """What the waiting table holds; nothing is taken in before it is confirmed."""
+    waiting = editor.waiting
+    if waiting is None:
+        return
+    name, rows = plain(waiting.table.name), counted(len(waiting.table.rows), "row")
+    if waiting.taken:
+        with st.expander(f"{name}, {rows}: take in again, or other days of it"):
+            _form(editor, waiting)
+        return
+    with st.container(border=True, key="table_form"):
+        st.markdown(
+            f"**{name}** has {rows}. Confirm what it holds and what its columns mean; nothing is "
+            "taken in before."
+        )
+        _form(editor, waiting)
+
+
+def _form(editor: Editor, waiting: WaitingTable) -> None:
+    if len(waiting.tables) > 1:
+        waiting.sheet = st.selectbox(
+            "Sheet", list(waiting.tables), key=f"table:{waiting.number}:sheet", width=300
+        )
+    table = waiting.table
+    guess = VALUES if profile_columns.looks_like_profile(table.columns) else SESSIONS
+    st.dataframe(list(table.rows[:5]), hide_index=True, alt="The first rows of the table")
+    holds = st.segmented_control(
+        "It holds",
+        [SESSIONS, VALUES],
+        default=guess,
+        required=True,
+        key=f"{waiting.key}:holds",
+    )
+    if holds == SESSIONS:
+        rules = _session_rules(waiting)
+        _buttons(editor, "Take the sessions in", "confirm_sessions", _confirm_sessions, rules)
+    else:
+        asked = _profile_rules(editor, waiting)
+        _buttons(editor, "Take the values in", "confirm_profile", _confirm_profile, asked)
+
+
+def _buttons(editor: Editor, label: str, key: str, confirm: object, rules: object) -> None:
+    with st.container(horizontal=True):
+        st.button(
+            label,
+            on_click=confirm,  # type: ignore[arg-type]
+            args=(editor, rules),
+            key=key,
+            type="primary",
+            icon=":material/check:",
+            help="What it replaces and how is told; Undo brings everything back. "
+            "docs/importing.md says every rule.",
+        )
+        st.button("Leave it", on_click=_leave, args=(editor,), key="leave_table")
+
+
+def _columns(
+    waiting: WaitingTable,
+    fields: Mapping[str, str],
+    required: Sequence[str],
+    guess: Mapping[str, str],
+) -> dict[str, str]:
+    """Which column each field is taken from, one select box each."""
+    chosen: dict[str, str] = {}
+    choices = [NONE, *waiting.table.columns]
+    for place, (field, told) in enumerate(fields.items()):
+        if place % 5 == 0:
+            row = st.columns(5)
+        with row[place % 5]:
+            chosen[field] = st.selectbox(
+                f"{field}{' (needed)' if field in required else ''}",
+                choices,
+                index=choices.index(guess.get(field, NONE)),
+                format_func=lambda column: column or "–",
+                key=f"{waiting.key}:{field}",
+                help=told,
+            )
+    return chosen
+
+
+def _reading(waiting: WaitingTable) -> Reading:
+    """How times are to be read, in the two columns given."""
+    zone, order = st.columns(2)
+    with zone:
+        named = st.text_input(
+            "Time zone",
+            key=f"{waiting.key}:zone",
+            placeholder="Europe/Berlin",
+            help="Where the station stands, such as America/Los_Angeles. Needed where times have "
+            "an offset from UTC, or where clocks change. Blank: times count as they stand.",
+        )
+    with order:
+        chosen = st.selectbox("Dates like 3/4/2019", list(ORDERS), key=f"{waiting.key}:order")
+    return Reading(named.strip() or None, ORDERS[chosen])
+
+
+def _session_rules(waiting: WaitingTable) -> SessionRules:
+    table = waiting.table
+    guess = session_columns.proposed(table.columns)
+    columns = _columns(waiting, session_columns.FIELDS, session_columns.REQUIRED, guess)
+    left, right = st.columns([2, 3])
+    with left:
+        reading = _reading(waiting)
+    with right:
+        unit, first, days = st.columns([1, 2, 1])
+    with unit:
+        duration = st.selectbox("Durations in", list(HOURS), key=f"{waiting.key}:unit")
+    rules = SessionRules(columns=columns, reading=reading, duration_unit=duration)
+    with first:
+        day = _day_of(waiting, rules)
+    with days:
+        count = st.number_input(
+            "Days",
+            1,
+            MOST_DAYS,
+            None if day is None else 1,
+            key=f"{waiting.key}:days:{day}",
+            help=f"How many days from the first on; blank: all, at most {MOST_DAYS}.",
+        )
+    return SessionRules(
+        columns=columns,
+        reading=reading,
+        duration_unit=duration,
+        first_day=day,
+        days=count,
+    )
+
+
+def _day_of(waiting: WaitingTable, rules: SessionRules) -> date | None:
+    """The first day to replay, of those that have sessions; None for all."""
+    key = (waiting.sheet, tuple(rules.columns.items()), rules.reading, rules.duration_unit)
+    found = waiting.once(key, lambda: _days_if_readable(waiting.table, rules))
+    return st.selectbox(
+        "First day",
+        [None, *found],
+        format_func=lambda day: (
+            "All days" if day is None else f"{day:%a, %d %b %Y} · {counted(found[day], 'session')}"
+        ),
+        key=f"{waiting.key}:first",
+        help="All days are replayed one after the other, as one horizon. Or pick the first, and "
+        "how many.",
+    )
+
+
+def _days_if_readable(table: ForeignTable, rules: SessionRules) -> dict[date, int]:
+    try:
+        return days_of(table, rules)
+    except InputError:
+        return {}  # every fault is told when the sessions are to be taken in
+
+
+def _profile_rules(editor: Editor, waiting: WaitingTable) -> ProfileRules:
+    table = waiting.table
+    guess = profile_columns.proposed(table.columns)
+    columns = _columns(waiting, profile_columns.FIELDS, profile_columns.REQUIRED, guess)
+    units: dict[str, str] = {}
+    peaks: dict[str, float] = {}
+    row = st.columns(5)
+    for place, field in enumerate(profile_columns.UNITS, 1):
+        if not columns[field]:
+            continue
+        choices = list(profile_columns.UNITS[field])
+        known = profile_columns.proposed_unit(field, columns[field])
+        with row[place]:
+            unit = st.selectbox(
+                f"Unit of {field}",
+                choices,
+                index=choices.index(known) if known else None,
+                placeholder="Choose",
+                key=f"{waiting.key}:{field}:unit:{columns[field]}",
+            )
+            if unit in ("kW", "MW"):
+                peak = st.number_input(
+                    f"Peak of {field}, kW",
+                    value=None,
+                    min_value=0.001,
+                    placeholder="the table's own",
+                    key=f"{waiting.key}:{field}:peak",
+                    help="What the values are divided by; blank: the table's largest.",
+                )
+                peaks |= {} if peak is None else {field: peak}
+        units |= {} if unit is None else {field: unit}
+    left, right = st.columns([2, 3])
+    with left:
+        reading = _reading(waiting)
+    with right:
+        first, days, hold, end = st.columns([3, 2, 3, 3], vertical_alignment="bottom")
+    with first:
+        day: date | None = st.date_input(
+            "First day",
+            first_day_for(editor.draft, table, columns["time"], reading),
+            EARLIEST,
+            LATEST,
+            key=f"{waiting.key}:day",
+            help="The scenario is moved to begin on it; blank: it stays where it is.",
+        )
+    with days:
+        count = st.number_input(
+            "Days", 1, MOST_PROFILE_DAYS, None, key=f"{waiting.key}:count", help="Blank: as now."
+        )
+    with hold:
+        minutes = st.number_input(
+            "A value holds for, min",
+            min_value=0.001,
+            value=None,
+            placeholder="usual step",
+            key=f"{waiting.key}:hold",
+            help="At most so long; then comes a gap, which is a fault. Blank: the table's usual "
+            "step.",
+        )
+    with end:
+        at_end = st.checkbox(
+            "Times are ends",
+            key=f"{waiting.key}:end",
+            help="As in hour ending: a value holds until its time.",
+        )
+    return ProfileRules(columns, units, reading, peaks, day, count, minutes, at_end)
+
+
+def _confirm_sessions(editor: Editor, rules: SessionRules) -> None:
+    waiting = editor.waiting
+    if waiting is None:
+        return
+    try:
+        changed, told = with_sessions(editor.draft, waiting.table, rules)
+    except InputError as error:
+        title = "The sessions were not taken in; your work is as it was."
+        editor.said = Said(title, error.faults)
+        return
+    waiting.taken = True
+    editor.take(changed, Said(f"{plain(waiting.table.name)} replaced the vehicles.", notes=told))
+
+
+def _confirm_profile(editor: Editor, rules: ProfileRules) -> None:
+    waiting = editor.waiting
+    if waiting is None:
+        return
+    try:
+        changed, told = with_profile(editor.draft, waiting.table, rules)
+    except InputError as error:
+        title = "The values were not taken in; your work is as it was."
+        editor.said = Said(title, error.faults)
+        return
+    waiting.taken = True
+    used = [profile_columns.TARGETS[field] for field in rules.units]
+    said = f"{plain(waiting.table.name)} replaced {plain(', '.join(used))}."
+    editor.take(changed, Said(said, notes=told))
+
+
+def _leave(editor: Editor) -> None:
+    editor.waiting = None
+    editor.said = None
