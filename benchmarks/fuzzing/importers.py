@@ -24,10 +24,11 @@ from evdash.files.draft import Draft, read_draft, scenario_of
 from evdash.files.folder import read_files
 from evdash.imports.feeder import feeder_of_net, with_network
 from evdash.imports.pandapower_json import read_net
+from evdash.imports.scenario_book import read_book, scenario_workbook
 from evdash.imports.session_columns import KNOWN, REQUIRED, proposed
 from evdash.imports.sessions import SessionRules, with_sessions
 from evdash.imports.tables import read_foreign
-from evdash.imports.workbook import scenario_parts, scenario_workbook, written
+from evdash.imports.workbook import written
 from evdash.studies.reading import base_scenario, lay_out, parse_study
 
 STUDIES = Path(__file__).parents[2] / "data" / "studies"
@@ -105,7 +106,7 @@ def _cell(rng: np.random.Generator) -> object:
 
 def workbook(content: bytes) -> Outcome:
     """A workbook as a scenario."""
-    return tried(lambda: scenario_of(read_draft(scenario_parts("day.xlsx", content))))
+    return tried(lambda: scenario_of(read_draft(read_book("day.xlsx", content).files)))
 
 
 def spoilt_sessions(rng: np.random.Generator) -> Named:

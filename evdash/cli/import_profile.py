@@ -19,7 +19,7 @@ from evdash.files.draft import Draft
 from evdash.imports.clock import Reading
 from evdash.imports.profile import ProfileRules, with_profile
 from evdash.imports.profile_columns import UNITS, proposed, proposed_unit
-from evdash.imports.sources import read_bounded
+from evdash.imports.sources import Imported, read_bounded
 from evdash.imports.tables import read_foreign
 
 if TYPE_CHECKING:
@@ -30,9 +30,7 @@ PRICES = (TIME, "price")
 LOADS = (TIME, "load", "generation")
 
 
-def import_profile(
-    fields: Sequence[str], draft: Draft, options: argparse.Namespace
-) -> tuple[Draft, tuple[str, ...]]:
+def import_profile(fields: Sequence[str], draft: Draft, options: argparse.Namespace) -> Imported:
     """The draft with a table's values of `fields`, once their columns are confirmed."""
     path = Path(options.file)
     table = read_foreign(path.name, read_bounded(path), options.sheet)
@@ -54,7 +52,7 @@ def import_profile(
         at_end=options.at_end,
     )
     changed, told = with_profile(draft, table, rules)
-    return changed, (mapped_text(columns), *told)
+    return Imported(changed, (mapped_text(columns), *told))
 
 
 def add_profile(kinds: "Commands", statuses: str) -> None:

@@ -19,14 +19,14 @@ from evdash.imports.clock import Reading
 from evdash.imports.session_columns import FIELDS, REQUIRED, proposed
 from evdash.imports.session_rows import HOURS, SessionRules
 from evdash.imports.sessions import with_sessions
-from evdash.imports.sources import read_bounded
+from evdash.imports.sources import Imported, read_bounded
 from evdash.imports.tables import read_foreign
 
 if TYPE_CHECKING:
     from evdash.cli.into import Commands
 
 
-def import_sessions(draft: Draft, options: argparse.Namespace) -> tuple[Draft, tuple[str, ...]]:
+def import_sessions(draft: Draft, options: argparse.Namespace) -> Imported:
     """The draft with recorded sessions for arrivals, once their columns are confirmed."""
     path = Path(options.file)
     table = read_foreign(path.name, read_bounded(path), options.sheet)
@@ -48,7 +48,7 @@ def import_sessions(draft: Draft, options: argparse.Namespace) -> tuple[Draft, t
         seed=options.seed,
     )
     changed, told = with_sessions(draft, table, rules)
-    return changed, (mapped_text(columns), *told)
+    return Imported(changed, (mapped_text(columns), *told))
 
 
 def add_sessions(kinds: "Commands", statuses: str) -> None:

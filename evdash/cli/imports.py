@@ -1,6 +1,7 @@
 """`import`: data of one's own into a scenario folder."""
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -11,15 +12,20 @@ from evdash.cli.import_sessions import add_sessions
 from evdash.cli.into import into_command, into_folder
 from evdash.files.draft import Draft
 from evdash.grid.nets.shipped import SHIPPED
-from evdash.imports.sources import with_feeder_from
+from evdash.imports.sources import Imported, with_feeder_from, with_workbook_from
 
 if TYPE_CHECKING:
     from evdash.cli.into import Commands
 
 
-def import_feeder(draft: Draft, options: argparse.Namespace) -> tuple[Draft, tuple[str, ...]]:
+def import_feeder(draft: Draft, options: argparse.Namespace) -> Imported:
     """The draft on another feeder."""
     return with_feeder_from(draft, options.file, options.source, options.station)
+
+
+def import_workbook(draft: Draft, options: argparse.Namespace) -> Imported:
+    """The draft with every sheet of a scenario that a workbook has."""
+    return with_workbook_from(draft, Path(options.file))
 
 
 def list_networks(_: argparse.Namespace) -> int:
@@ -51,6 +57,15 @@ def add_import(commands: "Commands", statuses: str) -> None:
     feeder.add_argument("--source", metavar="BUS", help="the supply, where the file has several")
     feeder.add_argument("--station", metavar="NODE", help="the node the charging station is at")
     feeder.set_defaults(command=into_folder(import_feeder))
+    workbook = into_command(
+        kinds,
+        "workbook",
+        "an Excel workbook of a scenario, or of a run",
+        "WORKBOOK: an .xlsx with sheets named scenario, nodes, lines, profile, fleet, arrivals or "
+        "events. Each replaces its own; what came of a run is left out.",
+        statuses,
+    )
+    workbook.set_defaults(command=into_folder(import_workbook))
     add_sessions(kinds, statuses)
     add_profile(kinds, statuses)
     networks = kinds.add_parser(

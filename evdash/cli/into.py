@@ -14,24 +14,25 @@ from evdash.files.bundled import DEFAULT
 from evdash.files.draft import Draft
 from evdash.files.overrides import parse_settings
 from evdash.imports.folder import draft_in, with_overrides, write_draft
-from evdash.imports.sources import sheet_faults
+from evdash.imports.sources import Imported
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
-Change = Callable[[Draft, argparse.Namespace], tuple[Draft, tuple[str, ...]]]
+Change = Callable[[Draft, argparse.Namespace], Imported]
 
 
 def into_folder(change: Change) -> Callable[[argparse.Namespace], int]:
     """A command that changes a scenario folder, or leaves it as it was and tells every fault."""
 
     def command(options: argparse.Namespace) -> int:
-        draft, told = change(draft_in(options.into, options.base), options)
+        imported = change(draft_in(options.into, options.base), options)
+        settings = parse_settings(options.settings)
         try:
-            write_draft(options.into, with_overrides(draft, parse_settings(options.settings)))
+            write_draft(options.into, with_overrides(imported.draft, settings))
         except InputError as error:
-            raise sheet_faults(str(options.file), error) from None
+            raise imported.placed(error) from None
         console = Console(highlight=False)
-        for notice in told:
+        for notice in imported.told:
             console.print(f"  {escape(notice)}", soft_wrap=True)
         console.print(f"[bold green]written to[/] {escape(str(options.into))}", soft_wrap=True)
         return 0

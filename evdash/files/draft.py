@@ -222,6 +222,19 @@ def listed(draft: Draft) -> Draft:
     return draft_of(resolved(scenario, arrivals_of(scenario)))
 
 
+def recorded(draft: Draft) -> tuple[Draft, list[str]]:
+    """The draft with the vehicles of its arrivals.csv where it would draw them, and that it has;
+    what they were drawn by becomes the forecast."""
+    if draft.is_recorded or not draft.tables.get("arrivals.csv"):
+        return draft, []
+    statistics = {key: value for key, value in draft.arrivals.items() if key != "seed"}
+    settings: Raw = {"file": "arrivals.csv"}
+    settings |= {key: value for key, value in draft.arrivals.items() if key == "seed"}
+    settings |= {"forecast": statistics} if statistics else {}
+    told = ["Vehicles come from arrivals.csv now; what they were drawn by is kept as forecast."]
+    return draft.with_settings(draft.settings | {"arrivals": settings}), told
+
+
 def drawn(draft: Draft, statistics_from: Scenario) -> Draft:
     """The draft with vehicles drawn at random: by its own forecast, else by another's statistics.
 

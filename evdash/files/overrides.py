@@ -27,7 +27,12 @@ def parse_setting(text: str) -> Setting:
     key = key.strip()
     if not equals or not key:
         raise InputError([Fault("--set", repr(text), "should be KEY=VALUE")])
-    return Setting(key, value if is_text_key(key) else _as_toml(value))
+    return setting_of(key, value)
+
+
+def setting_of(key: str, text: str) -> Setting:
+    """A key and its value as text: read as TOML, else as text; a text key's taken as it stands."""
+    return Setting(key, text if is_text_key(key) else _as_toml(text))
 
 
 def is_text_key(key: str) -> bool:

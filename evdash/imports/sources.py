@@ -1,5 +1,6 @@
-"""A feeder wherever it comes from: a network file, a scenario's tables, pandapower by name."""
+"""Feeders and workbooks by what a user names: a file, a folder, a network by pandapower."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from evdash.errors import Fault, InputError
@@ -9,9 +10,24 @@ from evdash.grid.nets.records import Net
 from evdash.grid.nets.shipped import SHIPPED
 from evdash.imports.feeder import feeder_of_net, shipped_net, with_network, with_tables
 from evdash.imports.pandapower_json import MAX_BYTES, read_net
-from evdash.imports.workbook import in_sheets, is_workbook, scenario_parts
+from evdash.imports.scenario_book import ScenarioBook, read_book, with_book
+from evdash.imports.workbook import is_workbook
 
+RULE = "should be a workbook (.xlsx) with a scenario's sheets"
 FORMS = "a pandapower .json, a scenario folder, its .zip, an .xlsx"
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """A draft with something taken in, what there is to say of it, and the workbook it is from."""
+
+    draft: Draft
+    told: tuple[str, ...]
+    book: ScenarioBook | None = None
+
+    def placed(self, error: InputError) -> InputError:
+        """An error in the words of the workbook the draft is from, if it is from one."""
+        return InputError(self.book.placed(error.faults)) if self.book else error
 
 
 def read_bounded(path: Path, most_bytes: int = MAX_BYTES) -> bytes:
@@ -27,9 +43,15 @@ def read_bounded(path: Path, most_bytes: int = MAX_BYTES) -> bytes:
         raise InputError([Fault(str(path), found, "should be a file")]) from error
 
 
-def with_feeder_from(
-    draft: Draft, what: str, source: str | None, station: str | None
-) -> tuple[Draft, tuple[str, ...]]:
+def with_workbook_from(draft: Draft, path: Path) -> Imported:
+    """The draft with every sheet of a scenario that a workbook has."""
+    if not is_workbook(path.name):
+        raise InputError([Fault(str(path), "a file of another kind", RULE)])
+    book = read_book(path.name, read_bounded(path))
+    return Imported(*with_book(draft, book), book)
+
+
+def with_feeder_from(draft: Draft, what: str, source: str | None, station: str | None) -> Imported:
     """The draft on the feeder `what` names, and everything there is to say of it."""
     path = Path(what)
     if not path.exists() and what in SHIPPED:
@@ -37,22 +59,20 @@ def with_feeder_from(
     if path.suffix.lower() == ".json":
         return _on_network(draft, *read_net(path.name, read_bounded(path)), source, station)
     if is_workbook(what):
-        return with_tables(draft, scenario_parts(path.name, read_bounded(path)))
+        book = read_book(path.name, read_bounded(path)).of_feeder()
+        try:
+            return Imported(*with_tables(draft, book.files), book)
+        except InputError as error:
+            raise InputError(book.placed(error.faults)) from None
     if path.is_dir() or path.suffix.lower() == ".zip":
-        return with_tables(draft, read_files(path))
+        return Imported(*with_tables(draft, read_files(path)))
     rule = f"should be {FORMS}, or one of {', '.join(SHIPPED)}"
     raise InputError([Fault(what, "something else" if path.exists() else "nothing there", rule)])
 
 
 def _on_network(
     draft: Draft, net: Net, unread: tuple[str, ...], source: str | None, station: str | None
-) -> tuple[Draft, tuple[str, ...]]:
+) -> Imported:
     imported = feeder_of_net(net, unread, source)
     changed, told = with_network(draft, imported, station)
-    return changed, (*imported.notices, *told)
-
-
-def sheet_faults(what: str, error: InputError) -> InputError:
-    """An error in the words of the workbook it concerns, if it came from one."""
-    name = Path(what).name
-    return InputError(in_sheets(name, error.faults)) if is_workbook(what) else error
+    return Imported(changed, (*imported.notices, *told))

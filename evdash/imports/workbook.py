@@ -6,7 +6,7 @@ counted and sized before anything is unpacked, rows and columns while they are r
 
 import io
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import MAXYEAR, date, datetime, time, timedelta
 from typing import Any
@@ -16,22 +16,13 @@ import xlsxwriter
 from openpyxl.utils.exceptions import InvalidFileException
 
 from evdash.errors import Fault, InputError
-from evdash.files.draft import RECORDS, Draft, Row, files_of, settings_text
 from evdash.files.folder import UNZIPPABLE
-from evdash.files.overrides import parse_setting
-from evdash.files.scenario_folder import SETTINGS
-from evdash.files.tables import write_table
-from evdash.files.validate import Raw
-from evdash.files.wording import shown
 
 MAX_ENTRIES = 500
 MAX_UNPACKED = 64 * 1024 * 1024
 MAX_SHEETS = 30
 MAX_ROWS = 100_000
 MAX_COLUMNS = 200
-SETTINGS_SHEET = "scenario"
-SHEETS = {file.removesuffix(".csv"): file for file in RECORDS}
-"""Sheets of a scenario workbook and the files they stand for; beside them SETTINGS_SHEET."""
 UNREADABLE = (
     *UNZIPPABLE,
     InvalidFileException,
@@ -140,143 +131,6 @@ def cell_text(value: object) -> str:
         if isinstance(value, kind):
             return told(value)
     return "" if value is None else str(value).strip()
-
-
-def scenario_parts(name: str, content: bytes) -> dict[str, bytes]:
-    """The files of a scenario folder that a workbook's sheets stand for.
-
-    Faults name sheets; unknown sheets are faults, one named `README` apart.
-    """
-    sheets = read_sheets(name, content)
-    faults = []
-    files: dict[str, bytes] = {}
-    for title, rows in sheets.items():
-        key = title.strip().lower()
-        if key == SETTINGS_SHEET:
-            settings, found = _settings(f"{name}, sheet {title}", rows)
-            faults += found
-            files[SETTINGS] = settings_text(settings).encode()
-        elif key in SHEETS:
-            files[SHEETS[key]] = _csv(rows).encode()
-        elif key != "readme":
-            known = ", ".join([SETTINGS_SHEET, *SHEETS])
-            faults.append(
-                Fault(f"{name}, sheet {title}", "an unknown sheet", f"sheets are {known}")
-            )
-    if not files and not faults:
-        faults.append(Fault(name, "no sheet with rows", f"sheets are {', '.join(SHEETS)}"))
-    if faults:
-        raise InputError(faults)
-    return files
-
-
-def in_sheets(name: str, faults: Iterable[Fault]) -> list[Fault]:
-    """Faults of a scenario's files by the sheets of the workbook they came in."""
-    told = {SETTINGS: SETTINGS_SHEET, **{file: sheet for sheet, file in SHEETS.items()}}
-    placed = []
-    for fault in faults:
-        file, comma, rest = fault.place.partition(",")
-        sheet = told.get(file)
-        place = f"{name}, sheet {sheet}{comma}{rest}" if sheet else f"{name}: {fault.place}"
-        placed.append(Fault(place, fault.found, fault.allowed))
-    return placed
-
-
-def _csv(rows: Sheet) -> str:
-    """Rows as CSV text, all as wide as the header; blank rows stay, to keep the count."""
-    width = max((i + 1 for i, cell in enumerate(rows[0]) if cell), default=0) if rows else 0
-    lines = []
-    for cells in rows:
-        if not any(cells):
-            lines.append("\n")
-            continue
-        wide = max((i + 1 for i, cell in enumerate(cells) if cell), default=0)
-        padded = [*cells[: max(width, wide)], *[""] * (width - len(cells))]
-        lines.append(write_table(padded, ()))
-    return "".join(lines)
-
-
-def _settings(place: str, rows: Sheet) -> tuple[Raw, list[Fault]]:
-    """The keys and values of a settings sheet as nested tables."""
-    faults: list[Fault] = []
-    raw: Raw = {}
-    if not rows or [cell.lower() for cell in rows[0][:2]] != ["key", "value"]:
-        return {}, [Fault(f"{place}, row 1", "another header", "columns are key and value")]
-    for number, cells in enumerate(rows[1:], 2):
-        key, value = (*cells, "", "")[:2]
-        if not key:
-            continue
-        if not value:
-            continue
-        try:
-            _lay(raw, key.split("."), parse_setting(f"{key}={value}").value)
-        except (InputError, TypeError):
-            rule = "should be a key of scenario.toml, options by name: option.C1.average_kw"
-            faults.append(Fault(f"{place}, row {number}, column key", shown(key), rule))
-    if "option" in raw:
-        options = raw["option"]
-        named = isinstance(options, dict) and all(isinstance(o, dict) for o in options.values())
-        if named:
-            raw["option"] = [{"name": name} | option for name, option in options.items()]
-    return raw, faults
-
-
-def _lay(node: Raw, path: list[str], value: object) -> None:
-    for part in path[:-1]:
-        node = node.setdefault(part, {})
-        if not isinstance(node, dict):
-            raise TypeError
-    node[path[-1]] = value
-
-
-def scenario_workbook(draft: Draft) -> bytes:
-    """A draft as a workbook that reads back the same."""
-    sheets: dict[str, Sequence[Sequence[object]]] = {SETTINGS_SHEET: _settings_rows(draft.settings)}
-    used = files_of(draft)
-    for sheet, file in SHEETS.items():
-        if file in used:
-            sheets[sheet] = _table_rows(file, draft.tables.get(file, ()))
-    return written(sheets)
-
-
-def _table_rows(file: str, rows: Sequence[Row]) -> list[list[object]]:
-    columns = list(RECORDS[file].model_fields)
-    return [list(columns), *([_number_or_text(c, row[c]) for c in columns] for row in rows)]
-
-
-def _number_or_text(column: str, cell: str) -> object:
-    """A number where the column holds numbers, so that a spreadsheet can reckon with it."""
-    texts = ("node", "from_node", "to_node", "model", "vehicle", "option", "arrival")
-    if column in (*texts, "event", "subject"):
-        return cell
-    try:
-        number = float(cell)
-    except ValueError:
-        return cell
-    return int(number) if number.is_integer() and abs(number) < 2**53 else number
-
-
-def _settings_rows(settings: Raw) -> list[list[object]]:
-    rows: list[list[object]] = [["key", "value"]]
-
-    def lay(prefix: str, value: object) -> None:
-        if prefix == "option" and isinstance(value, list):
-            for option in value:
-                for key, inner in option.items():
-                    if key != "name":
-                        lay(f"option.{option.get('name')}.{key}", inner)
-        elif isinstance(value, dict):
-            for key, inner in value.items():
-                lay(f"{prefix}.{key}" if prefix else key, inner)
-        elif isinstance(value, list):
-            rows.append([prefix, f"[{', '.join(repr(part) for part in value)}]"])
-        elif hasattr(value, "strftime"):
-            rows.append([prefix, value.strftime("%Y-%m-%dT%H:%M")])
-        else:
-            rows.append([prefix, value])
-
-    lay("", settings)
-    return rows
 
 
 def written(sheets: Mapping[str, Sequence[Sequence[object]]]) -> bytes:

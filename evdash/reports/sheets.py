@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from evdash.domain.scenario import Scenario
+from evdash.domain.scenario import FleetModel, RecordedArrivals, Scenario
 from evdash.files.draft import RECORDS
 from evdash.files.run_export import voltage_rows
 from evdash.files.run_tables import (
@@ -24,6 +24,7 @@ from evdash.files.run_tables import (
     vehicle_rows,
 )
 from evdash.files.scenario_folder import SETTINGS, resolved, scenario_files
+from evdash.imports.scenario_book import KEY, SETTINGS_SHEET, VALUE, settings_rows
 from evdash.metrics.declared import figures_of
 from evdash.metrics.service import Service
 from evdash.reports import tables
@@ -152,19 +153,28 @@ def _inputs(account: Account) -> list[Sheet]:
         "nodes.csv": scenario.nodes,
         "lines.csv": scenario.lines,
         "profile.csv": scenario.profile,
+        "fleet.csv": _fleet(scenario),
         "arrivals.csv": trace.inputs.arrivals,
         "events.csv": scenario.events,
     }
     settings = tomllib.loads(scenario_files(scenario)[SETTINGS])
-    listed = [[key, value] for key, value in _flat(settings)]
+    listed = [[str(key), _value(value)] for key, value in settings_rows(settings)]
+    columns = [Column(KEY), Column(VALUE)]
     return [
-        Sheet("scenario", f"The settings, {SETTINGS}.", [Column("key"), Column("value")], listed),
+        Sheet(SETTINGS_SHEET, f"The settings, {SETTINGS}.", columns, listed),
         *(
             _scenario_table(file.removesuffix(".csv"), RECORDS[file], list(found))
             for file, found in rows.items()
             if found
         ),
     ]
+
+
+def _fleet(scenario: Scenario) -> tuple[FleetModel, ...]:
+    """The models a policy may know that vehicles are drawn from."""
+    known = scenario.arrivals
+    statistics = known.forecast if isinstance(known, RecordedArrivals) else known
+    return () if statistics is None else statistics.fleet
 
 
 def _scenario_table(name: str, record: type[BaseModel], rows: Sequence[BaseModel]) -> Sheet:
@@ -211,19 +221,6 @@ def _plain(name: str, told: str, rows: Sequence[tables.Row]) -> Sheet:
     heads = list(rows[0]) if rows else ["Nothing to tell"]
     values = [[_value(row[head]) for head in heads] for row in rows]
     return Sheet(name, told, [Column(head) for head in heads], values)
-
-
-def _flat(settings: Any, path: str = "") -> list[tuple[str, Value]]:
-    """Nested settings as keys and values; options by their names, other lists as text."""
-    if isinstance(settings, dict):
-        inner = [(f"{path}.{key}" if path else key, value) for key, value in settings.items()]
-        return [row for key, value in inner for row in _flat(value, key)]
-    if isinstance(settings, list) and settings and isinstance(settings[0], dict):
-        named = [(f"{path}.{one.get('name', n)}", one) for n, one in enumerate(settings)]
-        return [row for key, one in named for row in _flat(one, key)]
-    if isinstance(settings, list):
-        return [(path, ", ".join(str(value) for value in settings))]
-    return [(path, _value(settings))]
 
 
 def _unit(record: type[BaseModel], field: str) -> str:

@@ -11,7 +11,7 @@ from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.draft import draft_of, files_of, read_draft, scenario_of, zipped
 from evdash.files.folder import read_zip
 from evdash.files.scenario_folder import read_scenario, scenario_files
-from evdash.imports.workbook import scenario_workbook
+from evdash.imports.scenario_book import scenario_workbook
 from evdash.ui import run as runs
 from evdash.ui.scenario.editor import KEY as DRAFT
 from evdash.ui.scenario.editor import MOST_ROWS, Editor
@@ -204,7 +204,7 @@ def test_a_single_table_replaces_its_own_and_its_faults_are_told_by_row() -> Non
     at = opened()
     text = scenario_files(read_scenario(DEFAULT))["lines.csv"].replace("0.07044192", "lots", 1)
     upload(at, **{"lines (2).csv": text.encode()})
-    assert "lines.csv: 12 rows" in at.success[0].value
+    assert "lines.csv: 12 rows" in at.success[0].value.replace("\\", "")
     assert "lines.csv, row 2, column r_ohm" in set(at.dataframe[0].value["Where"])
     for name in TABS:
         tab(at, name)  # a number that is none is shown as text, to be mended in place
@@ -295,6 +295,15 @@ def test_a_workbook_replaces_the_sheets_it_has() -> None:
     other = read_scenario(DEFAULT.parent / "voltage-limited")
     upload(at, **{"mine.xlsx": scenario_workbook(draft_of(other))})
     assert editor(at).check()[0] == other
+    spoilt = draft_of(other)
+    rows = spoilt.tables["nodes.csv"]
+    spoilt = spoilt.with_table("nodes.csv", (*rows[:3], rows[3] | {"load_kw": "lots"}, *rows[4:]))
+    upload(at, **{"mine.xlsx": scenario_workbook(spoilt)})
+    where = "mine.xlsx, sheet nodes, row 5, column load_kw"
+    assert where in set(at.dataframe[0].value["Where"])
+    editor(at).set_rows("nodes.csv", editor(at).draft.tables["nodes.csv"][:-1])
+    at.run()
+    assert "nodes.csv, row 5, column load_kw" in set(at.dataframe[0].value["Where"])
     for name, content in (("x.xlsx", b"PK no"), ("x.json", b"["), ("x.json", b"[]")):
         upload(at, **{name: content})
         assert "your work is as it was" in at.error[0].value

@@ -9,7 +9,8 @@ import pytest
 from evdash.files.bundled import DEFAULT
 from evdash.files.draft import draft_of
 from evdash.files.scenario_folder import read_scenario
-from evdash.imports.workbook import scenario_workbook, written
+from evdash.imports.scenario_book import scenario_workbook
+from evdash.imports.workbook import written
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -70,6 +71,27 @@ def test_a_workbook_brings_the_feeder_and_its_faults_by_sheet_and_row(
     assert status == 2
     assert "mine.xlsx, sheet nodes, row 5, column load_kw: found 'lots'" in err
     assert not (tmp_path / "t").exists()
+
+
+def test_a_runs_workbook_comes_in_as_the_scenario_it_was(
+    command: Command, small_run: Path, small_scenario: Path, tmp_path: Path
+) -> None:
+    book = tmp_path / "run.xlsx"
+    assert command("export", small_run, "--excel", book)[0] == 0
+    status, out, _ = command("import", "workbook", book, "--into", tmp_path / "s")
+    assert status == 0
+    assert "What came of a day is left out" in out
+    want = read_scenario(small_scenario)
+    there = read_scenario(tmp_path / "s")
+    assert (there.nodes, there.lines, there.profile) == (want.nodes, want.lines, want.profile)
+    assert len(there.arrivals.vehicles) == len(want.arrivals.vehicles)
+    status, _, err = command(
+        "import", "workbook", book, "--into", tmp_path / "t", "--set", "station.chargers=-1"
+    )
+    assert status == 2
+    assert "run.xlsx, sheet scenario, row" in err
+    assert ", station.chargers: found -1" in err
+    assert command("import", "workbook", tmp_path / "s" / "nodes.csv", "--into", tmp_path)[0] == 2
 
 
 def hourly(column: str, values: list[float], first: str = "2024-03-31") -> str:

@@ -7,8 +7,21 @@ from datetime import datetime
 import openpyxl
 import pytest
 
+from evdash.files.draft import Draft, scenario_of
+from evdash.files.scenario_folder import resolved
+from evdash.horizon.day import run_day, start_day
+from evdash.imports.scenario_book import (
+    RUN_SHEETS,
+    SETTINGS_SHEET,
+    SHEETS,
+    read_book,
+    with_book,
+)
 from evdash.metrics.records import vehicle_records
+from evdash.metrics.totals import totals
+from evdash.reports.sheets import sheets
 from evdash.reports.workbook import workbook_bytes
+from evdash.scheduling.p1 import p1_policy
 from tests.reports.conftest import HOSTILE
 
 STARTS = ("=", "+", "-", "@", "\t", "\r")
@@ -119,6 +132,36 @@ def test_no_cell_of_the_csv_tables_could_start_a_formula(hostile):
             for cell in row:
                 if cell.startswith(STARTS):
                     float(cell)  # a number with its sign, and nothing else
+
+
+def close(one: object, other: object) -> bool:
+    """Whether two scenarios' contents are the same to the 16 digits of a workbook."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(close(one[key], other[key]) for key in one)
+    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
+        return len(one) == len(other) and all(map(close, one, other))
+    return one == (pytest.approx(other, rel=1e-15) if isinstance(other, float) else other)
+
+
+@pytest.mark.parametrize("which", ["usual", "hostile"])
+def test_a_runs_workbook_is_taken_in_again_and_gives_the_same_day(which, request):
+    account = request.getfixturevalue(which)
+    content = workbook_bytes(account)
+    draft, told = with_book(Draft({}, {}), read_book("run.xlsx", content))
+    scenario = scenario_of(draft)
+    inputs = account.trace.inputs
+    wanted = resolved(inputs.given, inputs.arrivals)
+    assert close(scenario.model_dump(), wanted.model_dump())
+    assert not close(scenario.model_dump(), wanted.replacing(name="another").model_dump())
+    assert "What came of a day is left out: About, Figures" in " ".join(told)
+    again = run_day(start_day(scenario), p1_policy())
+    assert totals(again).profit == pytest.approx(account.totals.profit, abs=0.02)
+    assert totals(again).admitted == account.totals.admitted
+
+
+def test_every_sheet_is_known_on_the_way_in(usual):
+    names = {sheet.name for sheet in sheets(usual)} | {"About"}
+    assert names - {SETTINGS_SHEET, *SHEETS} == RUN_SHEETS
 
 
 def test_the_same_day_gives_the_same_workbook(usual):

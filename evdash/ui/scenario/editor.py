@@ -1,5 +1,6 @@
 """The draft a tab is working on: what was typed so far, what it came from, what was said of it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,7 +9,9 @@ import streamlit as st
 from evdash.domain.scenario import GeneratedArrivals, Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft, Rows, draft_of, files_of, scenario_of
+from evdash.files.scenario_folder import SETTINGS
 from evdash.files.validate import Raw
+from evdash.imports.scenario_book import ScenarioBook
 from evdash.ui.edits import with_settings_kept
 from evdash.ui.scenario.waiting import WaitingNetwork, WaitingTable
 from evdash.ui.session import Session
@@ -49,6 +52,7 @@ class Editor:
         self.waiting: WaitingTable | None = None
         self.network: WaitingNetwork | None = None
         self._number = 0
+        self._came: dict[str, tuple[object, ScenarioBook]] = {}
         self._before: list[Draft] = []
         self._checked: tuple[Draft, Scenario | None, tuple[Fault, ...]] | None = None
 
@@ -66,11 +70,18 @@ class Editor:
         self._number += 1
         return self._number
 
-    def take(self, draft: Draft, said: Said | None = None) -> None:
-        """Replace the draft as a whole; what it was can be had back."""
+    def take(
+        self, draft: Draft, said: Said | None = None, books: Sequence[ScenarioBook] = ()
+    ) -> None:
+        """Replace the draft as a whole; what it was can be had back.
+
+        What `books` hold is told by sheet and row as long as it stands as it came.
+        """
         self._before = [*self._before, self.draft][-MOST_UNDONE:]
         self._show(draft)
         self.said = said
+        for book in books:
+            self._came |= {file: (_part(draft, file), book) for file in book.files}
 
     def undo(self) -> None:
         """Back to before the last replacement."""
@@ -109,8 +120,22 @@ class Editor:
     def check(self) -> tuple[Scenario | None, tuple[Fault, ...]]:
         """The scenario the draft stands for, or every fault that keeps it from being one."""
         if self._checked is None or self._checked[0] is not self.draft:
-            self._checked = (self.draft, *_checked(self.draft))
+            scenario, faults = _checked(self.draft)
+            self._checked = (self.draft, scenario, tuple(self._placed(f) for f in faults))
         return self._checked[1:]
+
+    def _placed(self, fault: Fault) -> Fault:
+        """A fault where its part of the draft came from, if that stands as it came."""
+        file = fault.place.partition(",")[0]
+        came, book = self._came.get(file, (None, None))
+        if book is None or came is not _part(self.draft, file):
+            return fault
+        return book.placed([fault])[0]
+
+
+def _part(draft: Draft, file: str) -> object:
+    """What a draft has of a file, the same object as long as nobody changes it."""
+    return draft.settings if file == SETTINGS else draft.tables.get(file)
 
 
 def _laid(node: Raw, path: tuple[str, ...], value: object) -> Raw:

@@ -14,20 +14,21 @@ from evdash.files.draft import (
     read_draft,
     read_rows,
     read_settings,
+    recorded,
     table_for,
 )
 from evdash.files.folder import read_zip
 from evdash.files.scenario_folder import SETTINGS
 from evdash.files.tables import decode
-from evdash.imports.tables import read_foreign_sheets
-from evdash.imports.workbook import (
+from evdash.imports.scenario_book import (
     SETTINGS_SHEET,
     SHEETS,
-    in_sheets,
-    is_workbook,
-    scenario_parts,
-    sheet_names,
+    ScenarioBook,
+    read_book,
+    with_book,
 )
+from evdash.imports.tables import read_foreign_sheets
+from evdash.imports.workbook import is_workbook, sheet_names
 from evdash.ui.scenario.editor import Editor, Said, present_scenario
 from evdash.ui.scenario.feeder_form import (
     feeder_form,
@@ -103,7 +104,10 @@ def receive(editor: Editor, files: Mapping[str, bytes]) -> None:
 
     Networks and tables of any columns wait to be confirmed, one of each at a time.
     """
-    draft, faults, told = editor.draft, [], []
+    draft = editor.draft
+    faults: list[Fault] = []
+    told: list[str] = []
+    books: list[ScenarioBook] = []
     table: WaitingTable | None = None
     network: WaitingNetwork | None = None
     for name, content in files.items():
@@ -114,9 +118,13 @@ def receive(editor: Editor, files: Mapping[str, bytes]) -> None:
             elif is_foreign(name, content):
                 _alone(table, name)
                 table = WaitingTable(read_foreign_sheets(name, content), editor.next_number())
+            elif is_workbook(name):
+                books.append(read_book(name, content))
+                draft, what = with_book(draft, books[-1])
+                told += what
             else:
                 draft, what = taken_in(draft, name, content)
-                told.append(what)
+                told += what
         except InputError as error:
             faults += list(error.faults)
     if faults:
@@ -124,7 +132,7 @@ def receive(editor: Editor, files: Mapping[str, bytes]) -> None:
         return
     editor.waiting, editor.network = table or editor.waiting, network or editor.network
     if told:
-        editor.take(draft, Said(" ".join(told)))
+        editor.take(draft, Said(plain(" ".join(told))), books)
     elif table or network:
         editor.said = None
 
@@ -149,18 +157,16 @@ def is_foreign(name: str, content: bytes) -> bool:
     return not unreadable and bool(rest.strip()) and len(re.split("[,;\t]", head)) > 1
 
 
-def taken_in(draft: Draft, name: str, content: bytes) -> tuple[Draft, str]:
+def taken_in(draft: Draft, name: str, content: bytes) -> tuple[Draft, tuple[str, ...]]:
     """The draft with one more file, and what that did; raises InputError if it has no place."""
     if name.lower().endswith(".zip"):
         whole = read_draft(read_zip(BytesIO(content), name))
-        return whole, f"{plain(name)} replaced the whole scenario."
-    if is_workbook(name):
-        return with_sheets(draft, name, content)
+        return whole, (f"{name} replaced the whole scenario.",)
     if name.lower().endswith(".toml"):
         settings, faults = read_settings(content)
         if faults:
             raise InputError(faults)
-        return draft.with_settings(settings), f"{plain(name)} replaced {SETTINGS}."
+        return draft.with_settings(settings), (f"{name} replaced {SETTINGS}.",)
     file = table_for(name, content)
     if file is None:
         allowed = f"should be named {', '.join(RECORDS)}, or have the columns of one of them"
@@ -168,23 +174,9 @@ def taken_in(draft: Draft, name: str, content: bytes) -> tuple[Draft, str]:
     rows, faults = read_rows(file, content)
     if faults:
         raise InputError([Fault(f"{name}: {f.place}", f.found, f.allowed) for f in faults])
-    return draft.with_table(
-        file, rows
-    ), f"{plain(name)} replaced {file}: {counted(len(rows), 'row')}."
-
-
-def with_sheets(draft: Draft, name: str, content: bytes) -> tuple[Draft, str]:
-    """The draft with the tables and settings a workbook has."""
-    files = scenario_parts(name, content)
-    faults: list[Fault] = []
-    for file, text in files.items():
-        if file == SETTINGS:
-            settings, found = read_settings(text)
-            draft = draft.with_settings(settings)
-        else:
-            rows, found = read_rows(file, text)
-            draft = draft.with_table(file, rows)
-        faults += in_sheets(name, found)
-    if faults:
-        raise InputError(faults)
-    return draft, f"{plain(name)} replaced {', '.join(files)}."
+    told = f"{name} replaced {file}: {counted(len(rows), 'row')}."
+    changed = draft.with_table(file, rows)
+    more: list[str] = []
+    if file == "arrivals.csv":
+        changed, more = recorded(changed)
+    return changed, (told, *more)
