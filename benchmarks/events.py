@@ -27,6 +27,7 @@ from benchmarks.soundness import problems_of_step
 from evdash.domain.trace import Happening, State, Trace
 from evdash.horizon.day import start_day, step
 from evdash.horizon.happen import happen
+from evdash.horizon.recourse import BY_CLOCK, SHED, UNPROVEN, UNPROVEN_FEWEST
 from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.records import executed_power
@@ -100,11 +101,15 @@ def judge(result: Result, trace: Trace, before: State) -> None:
     if short > least.short_kwh + SAME_KWH:
         result.problems.append(f"{at}: {short:.5f} kWh short, least {least.short_kwh:.5f}")
     count = sum(after[vehicle].short_kwh > SAME_KWH for vehicle in firm)
-    if count != least.vehicles and least.short_kwh > SAME_KWH:
+    told = UNPROVEN_FEWEST in happening.note
+    result.counts["fewest not proven"] += told
+    if count != least.vehicles and least.short_kwh > SAME_KWH and not told:
         result.problems.append(f"{at}: {count} vehicles short, fewest {least.vehicles}")
     _judge_drivers(result, trace, happening, before, least.given_up_kwh)
-    if happening.note and "not found in time" in happening.note:
-        result.counts["shed without the optimiser"] += 1
+    result.counts["more than fewest"] += told and count > least.vehicles
+    result.counts["least not proven"] += UNPROVEN in happening.note
+    result.counts["shed without the optimiser"] += SHED in happening.note
+    result.counts["ended by the clock"] += BY_CLOCK in happening.note
 
 
 def _same(least: Least, happening: Happening) -> bool:
@@ -223,6 +228,12 @@ def rows_of(results: list[Result], wall_seconds: float) -> list[tuple[str, str]]
         ("terms cut before kept below the least", f"{counts['less than the least']}"),
         ("not worked again in time", f"{counts['not worked again in time']}"),
         ("settled without the optimiser", f"{counts['shed without the optimiser']}"),
+        ("said not to be proven the least", f"{counts['least not proven']}"),
+        (
+            "said not to be proven the fewest, and were not",
+            f"{counts['fewest not proven']}, {counts['more than fewest']}",
+        ),
+        ("ended by the clock", f"{counts['ended by the clock']}"),
         ("seconds to settle", f"median {np.median(seconds):.3f}, worst {seconds.max():.2f}"),
         ("days with any problem", f"{sum(bool(r.problems) for r in results)}"),
         ("wall time", f"{wall_seconds:.0f} s"),

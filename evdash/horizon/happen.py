@@ -50,7 +50,7 @@ def _settled(trace: Trace, given: Scenario, events: tuple[Event, ...]) -> Trace:
         events=events,
         revisions=settled.revisions,
         after=settled.state,
-        note="; ".join(settled.notes),
+        note=". ".join(settled.notes),
         proven=not {SHED, UNPROVEN} & set(settled.notes),
     )
     happenings = (*trace.happenings, happening)

@@ -20,21 +20,28 @@ from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Contract
 from evdash.errors import SolverFailure
 from evdash.horizon.advance import snapshot_of, still_waiting
 from evdash.horizon.networks import limit_check
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.guarded import answered
 from evdash.scheduling.problem import Bools, Problem, contracts_problem
 from evdash.scheduling.shed import shed
 from evdash.scheduling.shortfall import (
     NOTICED_KWH,
-    SECONDS,
     least_shortfall,
     most_energy_for,
+    step_effort,
 )
 
 SHED = (
-    "the least possible shortfall was not found in time; those who came last were switched off "
+    "The least possible shortfall was not found in time: those who came last were switched off "
     "first"
 )
-UNPROVEN = "that no less can be missing was not proven in time"
+UNPROVEN = "It was not proven that no less can be missing"
+UNPROVEN_FEWEST = "It was not proven that no fewer vehicles can be short"
+AS_MUCH = "as much as every promise leaves room for"
+UNPROVEN_MORE = "but it was not proven that there is no room for more"
+BY_CLOCK = "The clock ended the search: a faster machine may find another answer"
+NO_ROOM_FOUND = "no schedule was found that keeps every promise beside it"
+SPENT = "this interval's time for working it out is used up; ask again in the next"
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,17 +124,22 @@ def settle(inputs: Inputs, state: State, events: Sequence[Event]) -> Settled:
         tuple(with_own_change(contract, events) for contract in before),
         np.vstack([state.tail_kw, nothing]),
     )
-    check = limit_check(inputs)
+    check, effort = limit_check(inputs), step_effort()
+    asks = [event for event in events if event.event == "asks_more"]
     own = np.array([new != old for new, old in zip(terms.contracts, before, strict=True)], bool)
-    terms, notes = _rescheduled(terms, own, check)
+    # half for the promises there are where others want more, who then share the rest
+    terms, notes = _rescheduled(terms, own, check, effort.part(0.5) if asks else effort)
     names = {contract.vehicle for contract in before}
-    for event in events:
-        if event.vehicle and event.vehicle not in names:
-            notes = (*notes, f"{event.vehicle} has no contract that is open: nothing changes")
-            continue
-        if event.event == "asks_more":
-            terms, note = _asked_more(terms, event, check)
-            notes = (*notes, *note)
+    notes += tuple(
+        f"{event.vehicle} has no contract that is open: nothing changes"
+        for event in events
+        if event.vehicle and event.vehicle not in names
+    )
+    for left, event in zip(range(len(asks), 0, -1), asks, strict=True):
+        if event.vehicle in names:
+            terms, note = _asked_more(terms, event, check, effort.part(1 / left))
+            notes = (*notes, note)
+    notes += (BY_CLOCK,) if effort.by_clock else ()
     revisions = (Revision(*pair) for pair in zip(before, terms.contracts, strict=True))
     changed = tuple(one for one in revisions if one.before != one.after)
     return Settled(terms.state(), changed, notes)
@@ -152,13 +164,19 @@ def with_own_change(contract: Contract, events: Sequence[Event]) -> Contract:
     return contract if request == contract.request else replace(contract, request=request)
 
 
-def _rescheduled(terms: _Terms, own: Bools, check: LimitCheck) -> tuple[_Terms, tuple[str, ...]]:
+def _rescheduled(
+    terms: _Terms, own: Bools, check: LimitCheck, effort: Effort
+) -> tuple[_Terms, tuple[str, ...]]:
     """Terms that can be kept, with a schedule that passes the checker."""
     here = np.array([_window_left(c, terms.now) > 0 for c in terms.contracts], dtype=bool)
-    # promises as they stand come first, then those who changed their own terms
-    order = [int(n) for n in (*np.flatnonzero(here & ~own), *np.flatnonzero(here & own))]
+    # promises as they stand come first, then those who changed their own terms; each by arrival,
+    # as who stands last is the first to be switched off where nothing else helps
+    order = sorted(
+        np.flatnonzero(here).tolist(),
+        key=lambda n: (bool(own[n]), terms.contracts[n].request.arrival),
+    )
     problem = terms.problem(order, int((here & ~own).sum()))
-    for schedule, notes in _schedules(problem):
+    for schedule, notes in _schedules(problem, effort):
         power = np.zeros_like(terms.power_kw)
         power[order] = schedule
         scheduled = terms.scheduled(power, own)
@@ -167,7 +185,7 @@ def _rescheduled(terms: _Terms, own: Bools, check: LimitCheck) -> tuple[_Terms, 
     raise SolverFailure("a station that charges nobody is said to break a limit")
 
 
-def _schedules(problem: Problem) -> Iterator[tuple[Floats, tuple[str, ...]]]:
+def _schedules(problem: Problem, effort: Effort) -> Iterator[tuple[Floats, tuple[str, ...]]]:
     """Schedules to try, the best first: the one there is, if it keeps every promise; the one
     that misses least; the one cut down without a solver; and at last none at all."""
     there = np.where(problem.window, problem.tail_kw, 0.0)
@@ -175,32 +193,31 @@ def _schedules(problem: Problem) -> Iterator[tuple[Floats, tuple[str, ...]]]:
     if (missing <= ENERGY_TOLERANCE_KWH).all():
         yield there, ()
     try:
-        found = answered(partial(least_shortfall, problem, SECONDS), SECONDS)
+        found = answered(partial(least_shortfall, problem, effort), effort.seconds)
     except SolverFailure:
         pass
     else:
         if found.short_kwh.sum() > missing.sum() + NOTICED_KWH:
             yield there, ()  # terms cut before may be kept where the whole promise could not
-        proven = found.proven or not found.short_kwh.any()
-        yield found.power_kw, () if proven else (UNPROVEN,)
+        doubts = ((UNPROVEN, found.proven), (UNPROVEN_FEWEST, found.fewest))
+        short = found.short_kwh.any()
+        yield found.power_kw, tuple(doubt for doubt, proven in doubts if short and not proven)
     yield shed(problem), (SHED,)
     yield np.zeros_like(there), (SHED,)
 
 
-def _asked_more(terms: _Terms, event: Event, check: LimitCheck) -> tuple[_Terms, tuple[str, ...]]:
+def _asked_more(
+    terms: _Terms, event: Event, check: LimitCheck, effort: Effort
+) -> tuple[_Terms, str]:
     """More energy for one vehicle, as far as every promise leaves room; and what was granted."""
-    state = terms.state()
-    names = [contract.vehicle for contract in terms.contracts]
     refused = f"{event.vehicle} gets nothing more: "
-    if event.vehicle not in {contract.vehicle for contract in state.contracts}:
-        return terms, (refused + "it has no contract that is still open",)
-    if state.is_short:
-        return terms, (refused + "promises already made are short",)
+    names = [contract.vehicle for contract in terms.contracts]
     asker = names.index(event.vehicle)
     contract = terms.contracts[asker]
     extra = min(event.amount, _room_in_battery(terms.inputs.scenario, contract))
-    if extra <= ENERGY_TOLERANCE_KWH:
-        return terms, (refused + "its battery will be full",)
+    why = _nothing_more(terms, contract, extra, effort)
+    if why:
+        return terms, refused + why
     opened = [n for n, c in enumerate(terms.contracts) if not c.is_fulfilled and n != asker]
     order = [*opened, asker]
     larger = replace(contract.request, need_kwh=contract.request.need_kwh + extra)
@@ -209,17 +226,32 @@ def _asked_more(terms: _Terms, event: Event, check: LimitCheck) -> tuple[_Terms,
     )
     problem = terms.problem(order, len(opened), extra)
     try:
-        found = answered(partial(most_energy_for, problem, extra, SECONDS), SECONDS)
+        found = answered(partial(most_energy_for, problem, extra, effort), effort.seconds)
     except SolverFailure:
-        return terms, (refused + "no schedule was found that keeps every promise beside it",)
+        return terms, refused + NO_ROOM_FOUND
     power = np.zeros_like(terms.power_kw)
     power[order] = found.power_kw
     own = np.arange(len(names)) == asker
     granted = replace(terms, contracts=asked).scheduled(power, own)
     if not granted.kept_to(check):
-        return terms, (refused + "no schedule was found that keeps every promise beside it",)
+        return terms, refused + NO_ROOM_FOUND
     got = extra - float(found.short_kwh[-1])
-    return granted, (f"{event.vehicle} gets {got:.2f} of {event.amount:g} kWh more",)
+    told = f"{event.vehicle} gets {got:.2f} of {event.amount:g} kWh more"
+    if not found.short_kwh.any():
+        return granted, told if extra == event.amount else f"{told}, and then its battery is full"
+    return granted, f"{told}, {AS_MUCH if found.proven else UNPROVEN_MORE}"
+
+
+def _nothing_more(terms: _Terms, contract: Contract, extra_kwh: float, effort: Effort) -> str:
+    """Why a driver who asks for more need not be asked about at all; empty if it must."""
+    state = terms.state()
+    if contract.vehicle not in {c.vehicle for c in state.contracts}:
+        return "it has no contract that is still open"
+    if state.is_short:
+        return "promises already made are short"
+    if extra_kwh <= ENERGY_TOLERANCE_KWH:
+        return "its battery will be full"
+    return SPENT if effort.is_spent else ""
 
 
 def _room_in_battery(scenario: Scenario, contract: Contract) -> float:

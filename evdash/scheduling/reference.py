@@ -1,65 +1,122 @@
 """P1 solved as the paper writes it: PuLP builds the equations, a solver takes them whole."""
 
-import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
 
+import highspy
 import numpy as np
 import pulp
 
 from evdash.domain.limits import Floats
 from evdash.errors import SolverFailure
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.equations import P1, Equation, Model, build
 from evdash.scheduling.problem import Problem, Solution
 
 ABSOLUTE_GAP_USD = 0.004
+ROUNDING = 1e-9
+AT_ROOT = 10
+"""How much longer a linear program of the root takes than one of a node, about."""
+ENDED = (
+    highspy.HighsModelStatus.kOptimal,
+    highspy.HighsModelStatus.kInfeasible,
+    highspy.HighsModelStatus.kUnboundedOrInfeasible,
+)
+"""How a search ends that was not cut short."""
 
 
 def solve_reference(
     problem: Problem, seconds: float, equations: Sequence[Equation] = P1
 ) -> Solution:
     """The plain formulation on HiGHS; raises SolverFailure if no feasible point was found."""
-    began = time.perf_counter()
+    effort = Effort(seconds=seconds)
     model = build(problem, equations)
-    left = max(0.1, seconds - (time.perf_counter() - began))
-    bound = minimise_with_highs(model, left, ABSOLUTE_GAP_USD)
+    bound = minimise_with_highs(model, effort, ABSOLUTE_GAP_USD)
     return Solution(values(model.u) > 0.5, power_of(model), bound)
 
 
-def minimise_with_highs(model: Model, seconds: float, absolute_gap: float) -> float:
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A point of a model, its objective and bound, and whether its search came to an end."""
+
+    objective: float
+    bound: float
+    point: Mapping[str, float]
+    ended: bool
+
+
+def minimise_with_highs(model: Model, effort: Effort, absolute_gap: float) -> float:
     """Solve a model that is feasible by its making, and return the bound proven.
 
     HiGHS 1.15 is asked twice, without presolve and with it. With it, some feasible programs come
     back infeasible (its issue 3296) and a point 0.30 $ too dear as optimal (its issue 3274);
     without it, one 0.013 $ too dear: each on one random interval of P1 in some hundreds. The
-    cheaper point counts, and the lower bound of those that found one. The first has half the
-    time: what one finds at its root may keep the other for minutes.
+    cheaper point counts, and the lower bound of those that came to their end. The first has half
+    the effort: what one finds at its root may keep the other for minutes. Raises SolverFailure
+    if neither found a point; `effort` then tells whether it was cut short.
     """
-    began, found = time.perf_counter(), []
-    for presolve, share in (("off", 0.5), ("choose", 1.0)):
-        left = max(0.1, share * (seconds - (time.perf_counter() - began)))
-        model.lp.solve(
-            pulp.HiGHS(
-                msg=False,
-                timeLimit=left,
-                gapRel=0.0,
-                gapAbs=absolute_gap,
-                threads=1,
-                presolve=presolve,
-                random_seed=0,
-                mip_feasibility_tolerance=1e-9,
-                primal_feasibility_tolerance=1e-9,
-            )
-        )
-        status = model.lp.sol_status
-        if status in (pulp.LpSolutionOptimal, pulp.LpSolutionIntegerFeasible):
-            point = {variable.name: variable.value() for variable in model.lp.variables()}
-            bound = float(model.lp.solverModel.getInfo().mip_dual_bound)
-            found.append((float(pulp.value(model.lp.objective) or 0.0), bound, status, point))
+    asked = [
+        _asked(model, effort.part(share), presolve, absolute_gap)
+        for presolve, share in (("off", 0.5), ("choose", 1.0))
+    ]
+    found = [one for _, one in asked if one is not None]
+    by_clock = any(status == highspy.HighsModelStatus.kTimeLimit for status, _ in asked)
     if not found:
+        if any(status not in ENDED for status, _ in asked):
+            effort.cut(by_clock=by_clock)
         raise SolverFailure(f"HiGHS found no plan: {pulp.LpSolution[model.lp.sol_status]}")
-    _, _, model.lp.sol_status, point = min(found, key=lambda one: one[0])
-    model.lp.assignVarsVals(point)
-    return min(bound for _, bound, _, _ in found)
+    best = min(found, key=lambda one: one.objective)
+    model.lp.assignVarsVals(best.point)
+    bound = min(one.bound for one in [one for one in found if one.ended] or found)
+    proven = best.objective <= bound + absolute_gap + ROUNDING
+    if not proven:
+        effort.cut(by_clock=by_clock)
+    model.lp.sol_status = pulp.LpSolutionOptimal if proven else pulp.LpSolutionIntegerFeasible
+    return bound
+
+
+def _asked(
+    model: Model, effort: Effort, presolve: str, absolute_gap: float
+) -> tuple[highspy.HighsModelStatus, _Found | None]:
+    """One search within an effort: how it ended, and what it found.
+
+    HiGHS asks back whenever it checks its own limits, about once for every linear program it
+    solves; that is counted, as it is the same on every machine. Its own limits do not serve:
+    one on nodes leaves out the root, one on iterations holds for each linear program alone.
+    """
+    columns = len(model.lp.variables())
+    most, asked_back = effort.work / max(1, columns), 0
+
+    def look(_kind: Any, _text: str, told: Any, answer: Any, _data: Any) -> None:
+        nonlocal asked_back
+        asked_back += AT_ROOT if told.mip_node_count == 0 else 1
+        answer.user_interrupt = asked_back > most
+
+    model.lp.solve(
+        pulp.HiGHS(
+            msg=False,
+            timeLimit=max(0.1, effort.seconds) if isfinite(effort.seconds) else None,
+            gapRel=0.0,
+            gapAbs=absolute_gap,
+            threads=1,
+            callbackTuple=(look, None),
+            callbacksToActivate=[highspy.cb.HighsCallbackType.kCallbackMipInterrupt],
+            presolve=presolve,
+            random_seed=0,
+            mip_feasibility_tolerance=1e-9,
+            primal_feasibility_tolerance=1e-9,
+        )
+    )
+    highs = model.lp.solverModel
+    status, info = highs.getModelStatus(), highs.getInfo()
+    effort.spend(columns * asked_back)
+    if info.primal_solution_status != highspy.SolutionStatus.kSolutionStatusFeasible:
+        return status, None
+    point = {variable.name: variable.value() for variable in model.lp.variables()}
+    objective = float(pulp.value(model.lp.objective) or 0.0)
+    return status, _Found(objective, float(info.mip_dual_bound), point, status in ENDED)
 
 
 def power_of(model: Model) -> Floats:

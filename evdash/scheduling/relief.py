@@ -9,6 +9,7 @@ import pulp
 
 from evdash.domain.limits import STATION
 from evdash.errors import SolverFailure
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.equations import (
     Equation,
     Model,
@@ -27,7 +28,10 @@ from evdash.scheduling.problem import Bools, Problem
 from evdash.scheduling.reference import minimise_with_highs
 from evdash.scheduling.shortfall import HAIR
 
-SECONDS = 5.0
+WORK, SECONDS = 3e6, 60.0
+"""What all remedies of one happening may take, as `Effort` counts it, and on the clock."""
+SHARE = 0.3
+"""Of what is left of it, for each question."""
 CHARGING: tuple[Equation, ...] = (
     contracts_stay,
     only_contracts_charge,
@@ -39,7 +43,12 @@ CHARGING: tuple[Equation, ...] = (
 MORE = "more"
 
 
-def more_chargers(problem: Problem) -> int | None:
+def relief_effort() -> Effort:
+    """What may be spent on all remedies together."""
+    return Effort(WORK, SECONDS)
+
+
+def more_chargers(problem: Problem, effort: Effort) -> int | None:
     """The fewest chargers besides those there are that would do; None where none would."""
 
     def enough_chargers(model: Model) -> None:
@@ -49,11 +58,11 @@ def more_chargers(problem: Problem) -> int | None:
             model.lp += running - more <= model.data.chargers, f"chargers_{t}"
         model.lp.setObjective(more)
 
-    found = _least(problem, (*CHARGING, feeder_limits, enough_chargers), 0.5)
+    found = _least(problem, (*CHARGING, feeder_limits, enough_chargers), 0.5, effort)
     return None if found is None else round(found)
 
 
-def more_headroom_kw(problem: Problem) -> float | None:
+def more_headroom_kw(problem: Problem, effort: Effort) -> float | None:
     """The least headroom besides what there is, alike in every slot, that would do, kW."""
 
     def enough_headroom(model: Model) -> None:
@@ -67,10 +76,10 @@ def more_headroom_kw(problem: Problem) -> float | None:
                     model.lp += drawn <= rows.limit_kw[t, row], f"limit_{row}_{t}"
         model.lp.setObjective(more)
 
-    return _least(problem, (*CHARGING, charger_count, enough_headroom), HAIR)
+    return _least(problem, (*CHARGING, charger_count, enough_headroom), HAIR, effort)
 
 
-def later_return(problem: Problem, who: Bools) -> int | None:
+def later_return(problem: Problem, who: Bools, effort: Effort) -> int | None:
     """By how many slots those marked, (vehicles,), would have to wait longer; None if no wait does.
 
     Longer waits hold all that shorter ones do, so that halving finds the least.
@@ -80,7 +89,8 @@ def later_return(problem: Problem, who: Bools) -> int | None:
         later = np.where(who, np.minimum(problem.intervals_left + slots, problem.n_slots), 0)
         ends = np.maximum(problem.intervals_left, later)
         waiting = replace(problem, intervals_left=ends)
-        return _least(waiting, (*CHARGING, charger_count, feeder_limits, _nothing), 1.0) is not None
+        equations = (*CHARGING, charger_count, feeder_limits, _nothing)
+        return _least(waiting, equations, 1.0, effort) is not None
 
     return _halved(kept, int(problem.n_slots - problem.intervals_left[who].min(initial=0)))
 
@@ -99,11 +109,18 @@ def _nothing(model: Model) -> None:
     model.lp.setObjective(pulp.LpAffineExpression(constant=0))
 
 
-def _least(problem: Problem, equations: tuple[Equation, ...], gap: float) -> float | None:
-    """The least value of a formulation's objective; None if it has no solution, or none in time."""
+def _least(
+    problem: Problem, equations: tuple[Equation, ...], gap: float, effort: Effort
+) -> float | None:
+    """The least value of a formulation's objective; None if it has no solution, or none was found,
+    which `effort` then tells."""
+    share = effort.part(SHARE)
+    if share.is_spent:
+        share.cut(by_clock=effort.seconds <= 0)
+        return None
     model = build(problem, equations, "relief")
     try:
-        answered(lambda: minimise_with_highs(model, SECONDS, gap), 2 * SECONDS)
+        answered(lambda: minimise_with_highs(model, share, gap), share.seconds)
     except SolverFailure:
         return None
     return float(pulp.value(model.lp.objective) or 0.0)

@@ -5,9 +5,9 @@ vehicles short; what those give up who changed their own terms, kWh; money, $. N
 of the feeder, a charger or a window given up for it.
 """
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pulp
@@ -17,6 +17,7 @@ from evdash.domain.plan import Snapshot
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH
 from evdash.errors import ImpossibleCommitments, Shortfall, SolverFailure
 from evdash.scheduling.clean import cleaned
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.equations import (
     RECOURSE,
     RECOURSE_OBJECTIVES,
@@ -25,14 +26,18 @@ from evdash.scheduling.equations import (
     build,
     fewest_vehicles_short,
     least_given_up,
+    least_missing_energy,
     least_money,
 )
-from evdash.scheduling.problem import Problem, contracts_problem
+from evdash.scheduling.guarded import answered
+from evdash.scheduling.problem import Bools, Problem, contracts_problem
 from evdash.scheduling.reference import minimise_with_highs, power_of
 
-SECONDS = 20.0
-SECONDS_A_TIE = 4.0
-"""For each of the objectives after the first, which only choose among equal shortfalls."""
+WORK, SECONDS = 6e6, 120.0
+"""What one step may spend on all of it, as `Effort` counts, and on the clock: the work takes a
+processor half a minute at most, so that the clock ends a step only on a machine with much to do."""
+FIRST_SHARE, TIE_SHARE = 0.6, 0.4
+"""Of the effort: for the energy missing; of what is left, for each of the objectives after it."""
 HAIR = 1e-6
 """How far above its least an objective may end for the sake of those after it, kWh or count."""
 GAPS: Mapping[Equation, float] = {fewest_vehicles_short: 0.5, least_money: 0.005}
@@ -40,18 +45,22 @@ GAPS: Mapping[Equation, float] = {fewest_vehicles_short: 0.5, least_money: 0.005
 ROUNDING = 1e-9
 NOTICED_KWH = 10 * ENERGY_TOLERANCE_KWH
 """Shortfall below this is the solver's tolerance and none."""
+HELD_KW = 1e-7
+"""A limit exceeded by no more is kept; the checker allows ten times as much."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recourse:
     """A schedule (vehicles, slots) in kW, what each vehicle misses under it, (vehicles,) in kWh.
 
-    `proven` says whether no schedule misses less energy.
+    `proven` says whether no schedule misses less energy, `fewest` whether of those that miss
+    as little none leaves fewer vehicles short.
     """
 
     power_kw: Floats
     short_kwh: Floats
     proven: bool = True
+    fewest: bool = True
 
 
 def fits_alone(model: Model) -> None:
@@ -78,26 +87,36 @@ def fit_at_once(model: Model) -> None:
             model.lp += running <= most, f"at_once_{t}"
 
 
-def least_shortfall(problem: Problem, seconds: float = SECONDS) -> Recourse:
+def step_effort() -> Effort:
+    """What one step may spend on the contracts there are."""
+    return Effort(WORK, SECONDS)
+
+
+def least_shortfall(problem: Problem, effort: Effort) -> Recourse:
     """The schedule that misses least, by all objectives in their order.
 
-    Raises SolverFailure if none was found in time.
+    Raises SolverFailure if none was found within the effort.
     """
-    ends = time.perf_counter() + seconds
     model = build(problem, (*RECOURSE, fits_alone, fit_at_once), "recourse")
     first, *ties = RECOURSE_OBJECTIVES
-    least = _minimised(model, first, seconds)
-    proven, power = model.lp.sol_status == pulp.LpSolutionOptimal, power_of(model)
+    least = _minimised(model, first, effort.part(FIRST_SHARE))
+    power, proven = power_of(model), {first: _is_proven(model)}
     for objective in ties:
         if not _open(problem, power, objective):
             continue
         model.lp += model.lp.objective <= least + HAIR, f"held_before_{objective.__name__}"
+        proven[objective] = False
         try:
-            left = min(SECONDS_A_TIE, max(0.5, ends - time.perf_counter()))
-            least, power = _minimised(model, objective, left), power_of(model)
+            least, power = _minimised(model, objective, effort.part(TIE_SHARE)), power_of(model)
         except SolverFailure:
             break  # what was found by the objectives before it stands
-    return _settled(problem, power, proven)
+        proven[objective] = _is_proven(model)
+    fewest = proven.get(fewest_vehicles_short, True)
+    return replace(_settled(problem, power), proven=proven[first], fewest=fewest)
+
+
+def _is_proven(model: Model) -> bool:
+    return bool(model.lp.sol_status == pulp.LpSolutionOptimal)
 
 
 def _open(problem: Problem, power_kw: Floats, objective: Equation) -> bool:
@@ -111,50 +130,88 @@ def _open(problem: Problem, power_kw: Floats, objective: Equation) -> bool:
     return bool(short.any())
 
 
-def _minimised(model: Model, objective: Equation, seconds: float) -> float:
+def _minimised(model: Model, objective: Equation, effort: Effort) -> float:
     """The least value of an objective within what is held already."""
     objective(model)
-    minimise_with_highs(model, seconds, absolute_gap=GAPS.get(objective, HAIR / 10))
+    minimise_with_highs(model, effort, absolute_gap=GAPS.get(objective, HAIR / 10))
     return float(pulp.value(model.lp.objective) or 0.0)
 
 
-def _settled(problem: Problem, power_kw: Floats, proven: bool) -> Recourse:
-    """Power exact within bounds for what each vehicle gets, and what it does not get."""
+def _settled(problem: Problem, power_kw: Floats) -> Recourse:
+    """Power exact within bounds and limits, and what each vehicle does not get under it.
+
+    What is missing by no more than the solver's tolerance is delivered after all. Where that
+    takes more than a limit leaves, as the hair between two objectives may have been spent there,
+    powers are shifted by a linear program with everybody's charger on and off as found.
+    """
+    found = _snapped(problem, power_kw, NOTICED_KWH)
+    if _is_within(problem, found.power_kw):
+        return found
+    for may_be_short in (found.short_kwh > 0, np.ones(problem.n_vehicles, dtype=bool)):
+        try:
+            shifted = _shifted(problem, found.power_kw > 0, may_be_short)
+        except SolverFailure:
+            continue
+        return _snapped(problem, shifted, ROUNDING)
+    return found
+
+
+def _snapped(problem: Problem, power_kw: Floats, nothing_kwh: float) -> Recourse:
+    """Power exact within bounds; what is missing by `nothing_kwh` at most is not missing."""
     delivered = power_kw.sum(axis=1) * problem.interval_hours
-    gets = np.where(problem.owed_kwh - delivered <= NOTICED_KWH, problem.owed_kwh, delivered)
-    gets = np.where(gets <= NOTICED_KWH, 0.0, gets)
+    gets = np.where(problem.owed_kwh - delivered <= nothing_kwh, problem.owed_kwh, delivered)
+    gets = np.where(gets <= nothing_kwh, 0.0, gets)
     everyone = np.ones(problem.n_vehicles, dtype=bool)
     power_kw = cleaned(replace(problem, owed_kwh=gets), everyone, power_kw)
-    return Recourse(power_kw, np.maximum(0.0, problem.owed_kwh - gets), proven)
+    return Recourse(power_kw, np.maximum(0.0, problem.owed_kwh - gets))
 
 
-def most_energy_for(problem: Problem, extra_kwh: float, seconds: float = SECONDS) -> Recourse:
+def _is_within(problem: Problem, power_kw: Floats) -> bool:
+    """Whether a schedule keeps the limits of the feeder."""
+    return bool((power_kw.sum(axis=0) <= problem.rows.headroom_kw() + HELD_KW).all())
+
+
+def _shifted(problem: Problem, running: Bools, may_be_short: Bools) -> Floats:
+    """The schedule that misses least with just these chargers on, (vehicles, slots)."""
+    model = build(problem, RECOURSE, "shift")
+    for n in model.vehicles:
+        model.short_kwh[n].upBound = None if may_be_short[n] else 0.0
+        for t in model.slots:
+            model.D[n][t].bounds(int(running[n, t]), int(running[n, t]))
+    for objective in (least_missing_energy, least_given_up, least_money):
+        least = _minimised(model, objective, Effort())
+        model.lp += model.lp.objective <= least + ROUNDING, f"held_{objective.__name__}"
+    return power_of(model)
+
+
+def most_energy_for(problem: Problem, extra_kwh: float, effort: Effort) -> Recourse:
     """As much of `extra_kwh` for the last vehicle as leaves every vehicle all the rest it is owed.
 
     The last vehicle's energy owed includes the extra. Raises SolverFailure if there is no such
-    schedule, or none was found in time.
+    schedule, or none was found within the effort.
     """
     model = build(problem, (*RECOURSE, fits_alone, fit_at_once), "extra")
     for short in model.short_kwh:
         short.upBound = 0.0
     model.short_kwh[-1].upBound = extra_kwh
-    _minimised(model, least_given_up, seconds)
-    return _settled(problem, power_of(model), model.lp.sol_status == pulp.LpSolutionOptimal)
+    _minimised(model, least_given_up, effort)
+    return replace(_settled(problem, power_of(model)), proven=_is_proven(model))
 
 
 def plan_for_contracts(snapshot: Snapshot) -> Floats:
     """A schedule (contracts, slots) in kW that keeps every contract, whatever it costs.
 
     Raises ImpossibleCommitments with the least possible missing energy if there is none,
-    SolverFailure if that could not be found out in time.
+    SolverFailure if that could not be found out within a step's effort.
     """
     problem = contracts_problem(snapshot)
     if problem.n_vehicles == 0:
         return problem.tail_kw
-    found = least_shortfall(problem)
+    effort = step_effort()
+    found = answered(partial(least_shortfall, problem, effort), effort.seconds)
     missing = np.flatnonzero(found.short_kwh > 0)
     if len(missing) and not found.proven:
-        raise SolverFailure("whether the contracts can be kept could not be decided in time")
+        raise SolverFailure("whether the contracts can be kept could not be decided")
     if len(missing):
         raise ImpossibleCommitments(
             [Shortfall(problem.vehicles[n], float(found.short_kwh[n])) for n in missing]
