@@ -8,8 +8,9 @@ from evdash.horizon.relief import Relief
 from evdash.metrics.ledger import ledger
 from evdash.metrics.outlook import outlook
 from evdash.scheduling.p1 import p1_policy
-from evdash.ui.events.choices import CHOICES, checked, elements, event_of, vehicles
+from evdash.ui.events.choices import CHOICES, checked, contracts, elements, event_of
 from evdash.ui.events.words import (
+    contract_told,
     effect_told,
     ledger_rows,
     remedies_told,
@@ -55,7 +56,8 @@ def test_what_cannot_happen_is_told():
 
 def test_what_can_be_chosen_is_what_there_is():
     trace = begun(lines=[line("s", "a", rating=90.0)])
-    assert vehicles(trace) == ["a", "b"]
+    assert list(contracts(trace)) == ["a", "b"]
+    assert contract_told(contracts(trace)["a"], outlook(trace)) == "a, 8.0 kWh owed by 03:00"
     assert elements(trace.scenario) == {"line:s-a": ("line or transformer s–a, now 90 kVA", 90.0)}
 
 
@@ -76,6 +78,15 @@ def test_remedies_are_told_one_by_one_or_none():
     assert "13.5 kW more" in text
     assert "waiting 1.5 h longer" in text
     assert "No one thing alone" in remedies_told(Relief(None, None, None), 1.0)
+
+
+def test_remedies_that_were_not_proven_are_told_so():
+    text = remedies_told(Relief(2, 13.5, None, sure=False), 0.5)
+    assert "the search was cut short" in text
+    assert "the search was cut short" in remedies_told(Relief(2, None, None, sure=False), 0.5)
+    none = remedies_told(Relief(None, None, None, sure=False), 1.0)
+    assert "No one thing alone" not in none
+    assert "was found in time" in none
 
 
 def test_the_ledger_tells_the_story():

@@ -7,6 +7,7 @@ from typing import Literal
 from evdash.domain.events import Event, EventKind
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
+from evdash.domain.vehicles import Contract
 from evdash.files.overrides import edit_scenario
 
 Field = Literal["count", "element", "kva", "percent", "span", "vehicle", "kwh", "until", "back"]
@@ -103,9 +104,9 @@ def checked(trace: Trace, event: Event) -> Event:
     return event
 
 
-def vehicles(trace: Trace) -> list[str]:
-    """Who has a contract that is still open."""
-    return [c.vehicle for c in (*trace.state.contracts, *trace.state.waiting)]
+def contracts(trace: Trace) -> dict[str, Contract]:
+    """The contracts that are still open, by vehicle."""
+    return {c.vehicle: c for c in (*trace.state.contracts, *trace.state.waiting)}
 
 
 def elements(scenario: Scenario) -> dict[str, tuple[str, float]]:

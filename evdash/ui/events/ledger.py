@@ -17,7 +17,8 @@ from evdash.ui.words import clock, counted
 MOST_STORIES = 8
 LEDGER_HELP = (
     "Every promise made: energy by a time. Kept, short (something happened by which it cannot be "
-    "kept), or cut short by its own driver."
+    "kept), or cut short by its own driver. Where not all can be kept, as little energy as "
+    "possible is missing, then for as few vehicles, then at the least cost."
 )
 
 

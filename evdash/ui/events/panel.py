@@ -8,14 +8,26 @@ from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.horizon.happen import happen
 from evdash.horizon.relief import relief
-from evdash.ui.events.choices import CHOICES, Choice, checked, elements, event_of, vehicles
-from evdash.ui.events.words import effect_told, events_told, remedies_told, short_rows
+from evdash.ui.events.choices import CHOICES, Choice, checked, contracts, elements, event_of
+from evdash.ui.events.words import (
+    contract_told,
+    effect_told,
+    events_told,
+    remedies_told,
+    short_rows,
+)
 from evdash.ui.parts import small_table, view
 from evdash.ui.session import Session
 from evdash.ui.words import clock, plain
 
 PREVIEW = "evdash_event"
 TABLE_PX = 260
+NOBODY = {
+    "vehicle": "No vehicle is under contract now.",
+    "element": "Nothing on this feeder has a rating that could change.",
+    "count": "No charger is working.",
+}
+"""Why a choice cannot be made, by what it is about."""
 
 
 def panel(session: Session) -> None:
@@ -53,7 +65,7 @@ def _chooser(session: Session, ahead: Outlook) -> None:
         )
     st.caption(CHOICES[kind].help)
     if said is None:
-        st.info("No vehicle is under contract now.", icon=":material/info:")
+        st.info(NOBODY[CHOICES[kind].fields[0]], icon=":material/info:")
     elif asked:
         _ask(trace, kind, said)
 
@@ -74,39 +86,61 @@ def _tell(faults: tuple[Fault, ...]) -> None:
 
 
 def _said(trace: Trace, ahead: Outlook, choice: Choice) -> dict[str, object] | None:
-    """The fields of a choice as filled in; None where there is no vehicle it could be."""
-    said: dict[str, object] = {}
-    for field in choice.fields:
-        if field == "vehicle":
-            there = vehicles(trace)
-            if not there:
-                return None
-            said["vehicle"] = st.selectbox("Vehicle", there, key="event_vehicle", width=140)
-        elif field == "count":
-            most = trace.scenario.station.chargers if choice.kind == "chargers_fail" else 1000
-            label = f"How many of {most}" if choice.kind == "chargers_fail" else "How many"
-            most = max(1, most)
-            said["count"] = st.number_input(label, 1, most, 1, key="event_count", width=150)
-        elif field == "element":
-            said["element"], said["kva"] = _element(trace)
-        elif field == "percent":
-            said["percent"] = st.number_input(
-                "Change, %", -100, 900, 20, 5, key="event_percent", width=120
-            )
-        elif field == "kwh":
-            said["kwh"] = st.number_input(
-                "More energy, kWh", 0.5, 1000.0, 5.0, 0.5, key="event_kwh", width=150
-            )
-        elif field != "kva":
-            said |= _times(ahead, field)
+    """The fields of a choice as filled in; None where there is nothing it could happen to."""
+    about, *_ = choice.fields
+    if about == "vehicle":
+        return _of_a_vehicle(trace, ahead, choice)
+    if about == "element":
+        return _element(trace)
+    if about == "count":
+        return _count(trace, choice)
+    change = st.number_input("Change, %", -100, 900, 20, 5, key="event_percent", width=120)
+    return {"percent": change} | _span(ahead)
+
+
+def _count(trace: Trace, choice: Choice) -> dict[str, object] | None:
+    """How many chargers."""
+    most, label = 1000, "How many"
+    if choice.kind == "chargers_fail":
+        most = trace.scenario.station.chargers
+        label = f"How many of {most}"
+    if not most:
+        return None
+    return {"count": st.number_input(label, 1, most, 1, key="event_count", width=150)}
+
+
+def _of_a_vehicle(trace: Trace, ahead: Outlook, choice: Choice) -> dict[str, object] | None:
+    """Which vehicle under contract, and how much, until when or from when."""
+    there = contracts(trace)
+    if not there:
+        return None
+    vehicle = st.selectbox(
+        "Vehicle",
+        list(there),
+        format_func=lambda name: contract_told(there[name], ahead),
+        key="event_vehicle",
+        width=340,
+    )
+    said: dict[str, object] = {"vehicle": vehicle}
+    last = there[vehicle].request.deadline_interval
+    later = list(range(ahead.now + 1, last + 1))
+    if "kwh" in choice.fields:
+        said["kwh"] = st.number_input(
+            "More energy, kWh", 0.5, 1000.0, 5.0, 0.5, key="event_kwh", width=150
+        )
+    if "until" in choice.fields:
+        said["until"] = _when(ahead, "Leaves at", [ahead.now, *later[:-1]], 0, f"leaves:{vehicle}")
+    if "back" in choice.fields:
+        back = [t for t in later if t < ahead.n_intervals] or [ahead.now]
+        said["back"] = _when(ahead, "Back at", back, 0, f"back:{vehicle}")
     return said
 
 
-def _element(trace: Trace) -> tuple[str | None, float]:
+def _element(trace: Trace) -> dict[str, object] | None:
+    """Which line, transformer or node, and its new rating."""
     rated = elements(trace.scenario)
     if not rated:
-        st.caption("Nothing on this feeder has a rating.")
-        return None, 0.0
+        return None
     element = st.selectbox(
         "Which", list(rated), format_func=lambda one: rated[one][0], key="event_element", width=320
     )
@@ -120,31 +154,28 @@ def _element(trace: Trace) -> tuple[str | None, float]:
         key=f"event_kva:{element}",
         width=150,
     )
-    return element, kva
+    return {"element": element, "kva": kva}
 
 
-def _times(ahead: Outlook, field: str) -> dict[str, object]:
-    """One or two times: from when, until when."""
+def _when(ahead: Outlook, label: str, intervals: list[int], index: int, key: str) -> int:
+    """One of several times."""
+    chosen: int = st.selectbox(
+        label,
+        intervals,
+        index,
+        format_func=lambda t: clock(ahead.times[t], ahead),
+        key=f"event_{key}:{ahead.now}",
+        width=120,
+    )
+    return chosen
 
-    def when(label: str, intervals: list[int], index: int, key: str) -> int:
-        chosen: int = st.selectbox(
-            label,
-            intervals,
-            index,
-            format_func=lambda t: clock(ahead.times[t], ahead),
-            key=f"event_{key}:{ahead.now}",
-            width=120,
-        )
-        return chosen
 
+def _span(ahead: Outlook) -> dict[str, object]:
+    """From when, until when."""
     later = list(range(ahead.now + 1, ahead.n_intervals + 1))
-    if field == "until":
-        return {"until": when("Leaves at", [ahead.now, *later[:-1]], 0, "leaves")}
-    if field == "back":
-        return {"back": when("Back at", later[:-1] or [ahead.now], 0, "back")}
-    first = when("From", [ahead.now, *later[:-1]], 0, "from")
+    first = _when(ahead, "From", [ahead.now, *later[:-1]], 0, "from")
     after = [t for t in later if t > first]
-    return {"from": first, "until": when("Until", after, len(after) - 1, f"until:{first}")}
+    return {"from": first, "until": _when(ahead, "Until", after, len(after) - 1, f"until:{first}")}
 
 
 def _preview(session: Session, ahead: Outlook) -> None:

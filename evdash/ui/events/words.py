@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from evdash.domain.events import Event
 from evdash.domain.outlook import Outlook
 from evdash.domain.trace import Happening
+from evdash.domain.vehicles import Contract
 from evdash.horizon.relief import Relief
 from evdash.metrics.ledger import LedgerEntry
 from evdash.ui.words import clock, counted, plain
@@ -21,6 +22,12 @@ STATUS = {
 def events_told(events: Sequence[Event]) -> str:
     """What happens, `10 of the chargers stop working`."""
     return plain("; ".join(event.text for event in events))
+
+
+def contract_told(contract: Contract, outlook: Outlook) -> str:
+    """Who it is, what it is owed and until when, as a plain line to choose from."""
+    by = clock(outlook.times[contract.request.deadline_interval], outlook)
+    return f"{contract.vehicle}, {contract.owed_kwh + contract.short_kwh:.1f} kWh owed by {by}"
 
 
 def effect_told(happening: Happening) -> str:
@@ -55,9 +62,9 @@ def short_rows(happening: Happening, outlook: Outlook) -> list[dict[str, object]
     return [
         {
             "Vehicle": one.vehicle,
-            "Promised, kWh": round(one.after.promised_kwh, 2),
-            "Would get, kWh": round(one.after.request.need_kwh, 2),
-            "Missing, kWh": round(one.after.short_kwh, 2),
+            "Promised, kWh": round(one.after.promised_kwh, 1),
+            "Would get, kWh": round(one.after.request.need_kwh, 1),
+            "Missing, kWh": round(one.after.short_kwh, 1),
             "Back by": clock(outlook.times[one.after.request.deadline_interval], outlook),
         }
         for one in happening.revisions
@@ -67,19 +74,23 @@ def short_rows(happening: Happening, outlook: Outlook) -> list[dict[str, object]
 
 def remedies_told(found: Relief, interval_hours: float) -> str:
     """What else would keep every promise, as a list."""
+    unsure = "" if found.sure else " (less may do, or something else: the search was cut short)"
     told = []
     if found.chargers:
         told.append(f"**{counted(found.chargers, 'more charger')}**")
     if found.headroom_kw:
-        told.append(f"**{found.headroom_kw:.1f} kW more** that the feeder lets the station draw")
+        told.append(f"**{found.headroom_kw:.1f} kW more** headroom from the feeder")
     if found.later_intervals:
         hours = found.later_intervals * interval_hours
         told.append(f"those short **waiting {hours:g} h longer**")
     if not told:
+        if unsure:
+            return "No one thing that alone would keep every promise was found in time."
         return "No one thing alone would keep every promise."
     if len(told) == 1:
-        return f"This would keep every promise: {told[0]}."
-    return "Any one of these would keep every promise:\n" + "\n".join(f"- {one}" for one in told)
+        return f"This would keep every promise: {told[0]}{unsure}."
+    listed = "\n".join(f"- {one}" for one in told)
+    return f"Any one of these would keep every promise{unsure}:\n{listed}"
 
 
 def story_told(entry: LedgerEntry, outlook: Outlook) -> str:
