@@ -13,6 +13,7 @@ from evdash.cli.into import into_command, into_folder
 from evdash.files.draft import Draft
 from evdash.grid.nets.shipped import SHIPPED
 from evdash.imports.sources import Imported, with_feeder_from, with_workbook_from
+from evdash.imports.templates import write_templates
 
 if TYPE_CHECKING:
     from evdash.cli.into import Commands
@@ -33,6 +34,14 @@ def list_networks(_: argparse.Namespace) -> int:
     console = Console(highlight=False)
     for name, told in SHIPPED.items():
         console.print(f"  [bold]{name:<31}[/] {escape(told)}", soft_wrap=True)
+    return 0
+
+
+def write_template(options: argparse.Namespace) -> int:
+    """Write templates to fill in."""
+    console = Console(highlight=False)
+    for path in write_templates(options.where, options.force):
+        console.print(f"  [bold green]written[/] {escape(str(path))}", soft_wrap=True)
     return 0
 
 
@@ -68,6 +77,19 @@ def add_import(commands: "Commands", statuses: str) -> None:
     workbook.set_defaults(command=into_folder(import_workbook))
     add_sessions(kinds, statuses)
     add_profile(kinds, statuses)
+    template = kinds.add_parser(
+        "template",
+        help="write templates to fill in",
+        description="Write templates to fill in: a small scenario as a folder and as a workbook, "
+        "and tables of sessions, prices and loads. Each is complete and runs as it is; units and "
+        "what is allowed stand beside it.",
+        epilog=statuses,
+    )
+    template.add_argument(
+        "where", type=Path, metavar="WHERE", help="a new folder, or an .xlsx for the workbook alone"
+    )
+    template.add_argument("--force", action="store_true", help="replace files that are there")
+    template.set_defaults(command=write_template)
     networks = kinds.add_parser(
         "networks",
         help="list the networks that pandapower ships",

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+import annotated_types
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
@@ -34,6 +35,12 @@ WORDS = {
     "model_attributes_type": TABLE,
 }
 LONGEST = 60
+MARKS = {
+    annotated_types.Ge: ("ge", "at least"),
+    annotated_types.Gt: ("gt", "above"),
+    annotated_types.Le: ("le", "at most"),
+    annotated_types.Lt: ("lt", "below"),
+}
 
 
 def allowed(details: ErrorDetails) -> str:
@@ -84,3 +91,13 @@ def meaning(field: FieldInfo | None) -> str:
     unit = str(extra.get("unit") or "") if isinstance(extra, dict) else ""
     told = not unit or unit.lower() in field.description.lower()
     return f" ({field.description})" if told else f" ({field.description}, {unit})"
+
+
+def allowed_words(field: FieldInfo) -> str:
+    """What a field allows, `at least 0, at most 100`; empty where it says nothing."""
+    return ", ".join(
+        f"{word} {getattr(mark, name):,.10g}"
+        for mark in field.metadata
+        for kind, (name, word) in MARKS.items()
+        if isinstance(mark, kind)
+    )

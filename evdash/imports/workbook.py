@@ -19,6 +19,8 @@ from evdash.errors import Fault, InputError
 from evdash.files.folder import UNZIPPABLE
 
 MAX_ENTRIES = 500
+PUBLISHED = datetime(1980, 1, 1)
+"""Every workbook says it was made then, so that the same content gives the same file."""
 MAX_UNPACKED = 64 * 1024 * 1024
 MAX_SHEETS = 30
 MAX_ROWS = 100_000
@@ -133,8 +135,14 @@ def cell_text(value: object) -> str:
     return "" if value is None else str(value).strip()
 
 
-def written(sheets: Mapping[str, Sequence[Sequence[object]]]) -> bytes:
-    """Sheets of rows, the first a header, as a workbook; no text becomes a formula or a link."""
+def written(
+    sheets: Mapping[str, Sequence[Sequence[object]]],
+    notes: Mapping[str, Mapping[str, str]] | None = None,
+) -> bytes:
+    """Sheets of rows, the first a header, as a workbook; no text becomes a formula or a link.
+
+    `notes` are put to heads: sheet to head to text.
+    """
     target = io.BytesIO()
     safe = {
         "in_memory": True,
@@ -143,6 +151,7 @@ def written(sheets: Mapping[str, Sequence[Sequence[object]]]) -> bytes:
         "default_date_format": "yyyy-mm-dd hh:mm",
     }
     with xlsxwriter.Workbook(target, safe) as book:
+        book.set_properties({"created": PUBLISHED})
         bold = book.add_format({"bold": True})
         for title, rows in sheets.items():
             sheet = book.add_worksheet(title)
@@ -152,6 +161,10 @@ def written(sheets: Mapping[str, Sequence[Sequence[object]]]) -> bytes:
                         sheet.write_string(number, column, cell, None if number else bold)
                     elif cell is not None:
                         sheet.write(number, column, cell)
+            told = (notes or {}).get(title, {})
+            for column, head in enumerate(rows[0] if rows else ()):
+                if str(head) in told:
+                    sheet.write_comment(0, column, told[str(head)], {"x_scale": 1.6})
             sheet.freeze_panes(1, 0)
             sheet.autofit(300)
     return target.getvalue()

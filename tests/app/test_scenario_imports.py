@@ -187,3 +187,10 @@ def test_two_tables_at_once_are_refused(ending: str) -> None:
     upload(at, **{f"a.{ending}": content, f"b.{ending}": content})
     assert editor(at).waiting is None
     assert "by itself" in at.dataframe[0].value["Allowed"][0]
+
+
+def test_templates_are_offered() -> None:
+    at = opened()
+    labels = [button.label for button in at.get("download_button")]
+    for name in ("scenario.xlsx", "templates.zip", "sessions.csv", "prices.csv", "loads.csv"):
+        assert any(label.endswith(f": {name}") for label in labels), name

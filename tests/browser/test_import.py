@@ -41,3 +41,20 @@ def test_a_known_network_and_prices_by_time_are_taken_in(
         page.get_by_text("The scenario begins at 2024-05-06 00:00.").wait_for()
         page.get_by_role("button", name="Begin a new day on it").click()
         page.get_by_text("A new day has begun on").wait_for()
+
+
+def test_a_workbook_of_the_templates_is_had_taken_in_and_undone(
+    browser: Browser, server: str, tmp_path: Path
+) -> None:
+    with visiting(browser) as page:
+        page.goto(f"{server}/scenario")
+        page.get_by_role("button", name="Templates").click()
+        with page.expect_download() as download:
+            page.get_by_role("button", name="scenario.xlsx").click()
+        file = tmp_path / "filled.xlsx"
+        download.value.save_as(file)
+        page.keyboard.press("Escape")
+        page.locator("input[type=file]").set_input_files(file)
+        page.get_by_text("filled.xlsx replaced scenario.toml").wait_for()
+        page.get_by_role("button", name="Undo").click()
+        page.get_by_text("This is the present run's scenario").wait_for()

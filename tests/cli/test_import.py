@@ -94,6 +94,22 @@ def test_a_runs_workbook_comes_in_as_the_scenario_it_was(
     assert command("import", "workbook", tmp_path / "s" / "nodes.csv", "--into", tmp_path)[0] == 2
 
 
+def test_a_template_comes_in_again_and_runs(command: Command, tmp_path: Path) -> None:
+    status, out, _ = command("import", "template", tmp_path / "t")
+    assert status == 0
+    assert "scenario.xlsx" in out
+    assert command("run", tmp_path / "t" / "scenario")[0] == 0
+    into = ("--into", tmp_path / "s")
+    assert command("import", "workbook", tmp_path / "t" / "scenario.xlsx", *into)[0] == 0
+    for kind in ("sessions", "prices", "loads"):
+        table = tmp_path / "t" / f"{kind}.csv"
+        assert command("import", kind, table, "--accept", *into)[0] == 0, kind
+    assert command("run", tmp_path / "s")[0] == 0
+    status, _, err = command("import", "template", tmp_path / "t")
+    assert status == 2
+    assert "--force" in err
+
+
 def hourly(column: str, values: list[float], first: str = "2024-03-31") -> str:
     times = pd.date_range(first, periods=len(values), freq="1h", tz="Europe/Berlin")
     rows = [f"{time:%d.%m.%Y %H:%M},{value}" for time, value in zip(times, values, strict=True)]

@@ -3,31 +3,15 @@
 from collections.abc import Sequence
 from typing import Any
 
-import annotated_types
 import streamlit as st
 from pydantic.fields import FieldInfo
 
 from evdash.files.overrides import parse_setting
+from evdash.files.wording import allowed_words
 from evdash.ui.scenario.editor import Editor
 from evdash.ui.settings import unit_of
 
 MISSING = object()
-MARKS = {
-    annotated_types.Ge: ("ge", "at least"),
-    annotated_types.Gt: ("gt", "above"),
-    annotated_types.Le: ("le", "at most"),
-    annotated_types.Lt: ("lt", "below"),
-}
-
-
-def allowed_words(field: FieldInfo) -> str:
-    """What a field allows, `at least 0, at most 100`; empty where it says nothing."""
-    return ", ".join(
-        f"{word} {getattr(mark, name):,.10g}"
-        for mark in field.metadata
-        for kind, (name, word) in MARKS.items()
-        if isinstance(mark, kind)
-    )
 
 
 def label_of(field: FieldInfo) -> str:

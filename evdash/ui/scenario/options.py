@@ -6,8 +6,9 @@ import pandas as pd
 import streamlit as st
 
 from evdash.domain.scenario import ArrivalStatistics, PriceOption
+from evdash.files.wording import allowed_words
 from evdash.ui.scenario.editor import Editor
-from evdash.ui.scenario.fields import allowed_words, label_of
+from evdash.ui.scenario.fields import label_of
 
 SHARE = "share"
 HOUR, HOURLY = "clock hour", "share of arrivals"

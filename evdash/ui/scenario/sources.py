@@ -37,11 +37,13 @@ from evdash.ui.scenario.feeder_form import (
     shipped_choice,
 )
 from evdash.ui.scenario.table_form import table_form
+from evdash.ui.scenario.templates import templates
 from evdash.ui.scenario.waiting import WaitingNetwork, WaitingTable
 from evdash.ui.session import Session, bundled, bundled_names
 from evdash.ui.words import counted, plain
 
 FROM = "scenario_from"
+UPLOAD = "scenario_upload"
 MOST_MB = 10
 UPLOAD_HELP = (
     "A .zip of a scenario folder replaces everything; a single nodes.csv, lines.csv, profile.csv, "
@@ -77,20 +79,27 @@ def sources(session: Session, editor: Editor) -> None:
         )
         shipped_choice(editor)
     with right:
-        files = st.file_uploader(
+        st.file_uploader(
             "Or bring your own files",
             type=["zip", "csv", "toml", "json", "xlsx"],
             accept_multiple_files=True,
-            key="scenario_upload",
+            key=UPLOAD,
+            on_change=_uploaded,
+            args=(editor,),
             max_upload_size=MOST_MB,
             help=UPLOAD_HELP,
         )
-        new = [file for file in files if file.file_id not in editor.uploaded]
-        if new:
-            editor.uploaded |= {file.file_id for file in new}
-            receive(editor, {file.name: file.getvalue() for file in new})
+        templates()
     feeder_form(editor)
     table_form(editor)
+
+
+def _uploaded(editor: Editor) -> None:
+    """Take in what was not there the last time; what is taken away again changes nothing."""
+    new = [file for file in st.session_state[UPLOAD] if file.file_id not in editor.uploaded]
+    editor.uploaded |= {file.file_id for file in new}
+    if new:
+        receive(editor, {file.name: file.getvalue() for file in new})
 
 
 def _take(session: Session, editor: Editor) -> None:

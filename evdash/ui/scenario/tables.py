@@ -8,8 +8,9 @@ import streamlit as st
 from pydantic.fields import FieldInfo
 
 from evdash.files.draft import RECORDS, Row, Rows, table_text, template_text
+from evdash.files.wording import allowed_words
 from evdash.ui.scenario.editor import MOST_ROWS, Editor
-from evdash.ui.scenario.fields import allowed_words, label_of
+from evdash.ui.scenario.fields import label_of
 
 FIRST_ROW = 2
 """Rows are numbered as in the file, whose first line is the header."""
