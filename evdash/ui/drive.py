@@ -2,6 +2,7 @@
 
 import streamlit as st
 
+from evdash.ui.apart import apart
 from evdash.ui.referee import referee
 from evdash.ui.session import Session
 
@@ -33,7 +34,7 @@ def heartbeat(session: Session) -> None:
     known = len(referee.findings(session.run.trace))
     waiting = known < len(session.run.trace.steps)
     seconds = PLAY_SECONDS if session.mode == "playing" else POLL_SECONDS if waiting else None
-    st.fragment(_beat, run_every=seconds)(session, waiting=waiting)
+    apart(_beat, seconds)(session, waiting=waiting)
 
 
 def _beat(session: Session, *, waiting: bool) -> None:

@@ -12,6 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 import streamlit as st
 
 from evdash.domain.trace import Trace
+from evdash.ui.apart import apart
 
 MOST_KEPT = 200
 POLL_SECONDS = 0.4
@@ -67,7 +68,7 @@ teller = Teller()
 def told_later(name: str, about: object, what: Hashable, tell: Callable[[], Told]) -> None:
     """Paragraphs that take solving; until they are known, the page goes on without them."""
     known = teller.told(about, what, tell, AT_ONCE_SECONDS) is not None
-    st.fragment(_told, run_every=None if known else POLL_SECONDS, key=name)(
+    apart(_told, None if known else POLL_SECONDS, key=name)(
         name, about, what, tell, awaited=not known
     )
 

@@ -2,6 +2,7 @@
 
 import streamlit as st
 
+from evdash.ui.apart import one_click
 from evdash.ui.handon.popover import hand_on
 from evdash.ui.parts import view
 from evdash.ui.session import Session
@@ -18,7 +19,7 @@ def toolbar(session: Session) -> None:
         _modes(session)
         st.button(
             "Back",
-            on_click=session.back,
+            on_click=one_click(session.back),
             key="back",
             icon=":material/skip_previous:",
             disabled=not trace.steps,
@@ -26,7 +27,7 @@ def toolbar(session: Session) -> None:
         )
         st.button(
             "Undo",
-            on_click=session.undo,
+            on_click=one_click(session.undo),
             key="undo",
             icon=":material/undo:",
             disabled=not session.can_undo,
@@ -34,7 +35,7 @@ def toolbar(session: Session) -> None:
         )
         st.button(
             "Reset",
-            on_click=session.reset,
+            on_click=one_click(session.reset),
             key="reset",
             icon=":material/restart_alt:",
             disabled=not trace.steps,
@@ -63,7 +64,7 @@ def step_button(session: Session, key: str = "step") -> None:
     minutes = trace.scenario.interval_minutes
     st.button(
         f"Step {'1 h' if minutes == 60 else f'{minutes} min'}",
-        on_click=session.step,
+        on_click=one_click(session.step),
         key=key,
         type="primary",
         icon=":material/skip_next:",
@@ -77,7 +78,7 @@ def _modes(session: Session) -> None:
     finishing, playing = mode == "finishing", mode == "playing"
     st.button(
         "Stop" if finishing else "Run to end",
-        on_click=session.set_mode,
+        on_click=one_click(session.set_mode),
         args=("idle" if finishing else "finishing",),
         key="finish",
         icon=":material/stop:" if finishing else ":material/fast_forward:",
@@ -85,7 +86,7 @@ def _modes(session: Session) -> None:
     )
     st.button(
         "Pause" if playing else "Play",
-        on_click=session.set_mode,
+        on_click=one_click(session.set_mode),
         args=("idle" if playing else "playing",),
         key="play",
         icon=":material/pause:" if playing else ":material/play_arrow:",

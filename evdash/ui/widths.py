@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 import streamlit as st
 
+from evdash.ui.apart import apart
 from evdash.ui.session import Session
 
 WIDEST_PX = 10_000
@@ -31,9 +32,12 @@ export default function ({ setStateValue }) {
 _component = st.components.v2.component("evdash_widths", js=SCRIPT)
 
 
-@st.fragment
 def listen(session: Session) -> None:
     """Learn how wide the charts are; what is drawn already stays as it is."""
+    apart(_listen)(session)
+
+
+def _listen(session: Session) -> None:
     told = _component(key="widths", on_widths_change=lambda: None)
     session.width_px |= sound(told.widths)
 

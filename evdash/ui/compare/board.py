@@ -3,6 +3,7 @@
 import streamlit as st
 
 from evdash.ui import run as runs
+from evdash.ui.apart import one_click
 from evdash.ui.compare.pins import (
     LONGEST_NAME,
     MOST_PINS,
@@ -44,7 +45,7 @@ def pin_present(session: Session, pins: Pins) -> None:
         )
         st.button(
             "Pin the present run",
-            on_click=_pin,
+            on_click=one_click(_pin),
             args=(session, pins),
             key="pin",
             type="primary",
@@ -71,7 +72,7 @@ def pinned(session: Session, pins: Pins) -> None:
             st.info(INTRODUCTION, icon=":material/compare_arrows:")
             st.button(
                 "Show me: the same day with half the chargers",
-                on_click=_example,
+                on_click=one_click(_example),
                 args=(session, pins),
                 key="example",
                 icon=":material/play_arrow:",
@@ -116,7 +117,7 @@ def _line(session: Session, pins: Pins, pin: Pin) -> None:
         st.caption(f"{plain(trace.scenario.name)} · {progress}", width=260)
         st.button(
             "Open",
-            on_click=session.take,
+            on_click=one_click(session.take),
             args=(pin.run,),
             key=f"open_{pin.number}",
             icon=":material/open_in_new:",
@@ -125,7 +126,7 @@ def _line(session: Session, pins: Pins, pin: Pin) -> None:
         )
         st.button(
             "Unpin",
-            on_click=pins.remove,
+            on_click=one_click(pins.remove),
             args=(pin.number,),
             key=f"unpin_{pin.number}",
             icon=":material/keep_off:",
@@ -151,7 +152,7 @@ def how_far(held: list[Held], pins: Pins) -> None:
     if any(not run.whole.is_over for run in held):
         st.button(
             "Stop" if pins.finishing else "Run all to the end",
-            on_click=_set_finishing,
+            on_click=one_click(_set_finishing),
             args=(pins, not pins.finishing),
             key="finish_all",
             icon=":material/stop:" if pins.finishing else ":material/fast_forward:",

@@ -7,6 +7,7 @@ import streamlit as st
 
 from evdash.metrics.key_figures import KeyFigures, key_figures
 from evdash.metrics.outlook import outlook
+from evdash.ui.apart import apart
 from evdash.ui.compare.pins import Held
 from evdash.ui.referee import referee
 from evdash.ui.words import counted, money, plain
@@ -65,7 +66,7 @@ def figures(held: list[Held], against: Held) -> None:
                 f":red[:material/warning: **{plain(run.name)}**: {counted(unchecked, 'interval')} "
                 "could not be checked by AC power flow; the two AC rows leave them out.]"
             )
-    st.fragment(_look_again, run_every=POLL_SECONDS if waiting else None)(held, waiting)
+    apart(_look_again, POLL_SECONDS if waiting else None)(held, waiting)
 
 
 def _look_again(held: list[Held], waiting: int) -> None:

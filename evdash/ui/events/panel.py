@@ -8,6 +8,7 @@ from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.horizon.happen import happen
 from evdash.horizon.relief import relief
+from evdash.ui.apart import one_click
 from evdash.ui.events.choices import CHOICES, Choice, checked, contracts, elements, event_of
 from evdash.ui.events.words import (
     contract_told,
@@ -204,7 +205,7 @@ def _preview(session: Session, ahead: Outlook) -> None:
                 key="event_apply",
                 type="primary",
                 icon=":material/bolt:",
-                on_click=_apply,
+                on_click=one_click(_apply),
                 args=(session, event, trace, after),
             )
             st.button("Never mind", key="event_drop", on_click=_forget)

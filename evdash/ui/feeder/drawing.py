@@ -7,6 +7,7 @@ from evdash.charts.feeder_moment import feeder_alt, feeder_table, lines_table
 from evdash.charts.style import spans
 from evdash.charts.voltage_map import MapWay
 from evdash.metrics.feeder import tightest
+from evdash.ui.apart import apart
 from evdash.ui.feeder.findings import WAYS, moment_at
 from evdash.ui.feeder.words import moment_lines, tightest_rows
 from evdash.ui.parts import chart, small_table, table_below, view
@@ -23,7 +24,7 @@ DRAWING_HELP = (
 
 def drawing(session: Session) -> None:
     """The drawing in its own fragment."""
-    st.fragment(_drawing, key="feeder_drawing")(session)
+    apart(_drawing, key="feeder_drawing")(session)
 
 
 def _drawing(session: Session) -> None:

@@ -7,6 +7,7 @@ from evdash.charts.headroom import headroom_alt, headroom_figure, headroom_table
 from evdash.charts.voltage_map import MapWay, map_figure
 from evdash.charts.voltages import voltages_alt, voltages_table
 from evdash.metrics.feeder import day_breaches, gaps, violations
+from evdash.ui.apart import apart
 from evdash.ui.feeder.findings import WAYS, ac_points, ac_voltages, layout_in
 from evdash.ui.feeder.words import (
     element_names,
@@ -30,7 +31,7 @@ def head(session: Session) -> None:
 
 def voltage_map(session: Session) -> None:
     """Every node in every interval."""
-    st.fragment(_voltage_map, key="feeder_map")(session)
+    apart(_voltage_map, key="feeder_map")(session)
 
 
 def _voltage_map(session: Session) -> None:

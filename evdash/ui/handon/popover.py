@@ -19,6 +19,7 @@ from evdash.reports.network import network_json
 from evdash.reports.ocpp import DEFAULT_ZONE, profiles_zip
 from evdash.reports.words import EDITED
 from evdash.reports.workbook import workbook_bytes
+from evdash.ui.apart import apart
 from evdash.ui.handon.checking import Checking
 from evdash.ui.parts import view
 from evdash.ui.session import Session
@@ -58,9 +59,7 @@ def hand_on(session: Session) -> None:
             return
         check = _check_of(session.run.trace)
         waiting = not check.is_over
-        st.fragment(_body, run_every=POLL_SECONDS if waiting else None)(
-            session, check, waiting=waiting
-        )
+        apart(_body, POLL_SECONDS if waiting else None)(session, check, waiting=waiting)
 
 
 def _finish_first(session: Session) -> None:

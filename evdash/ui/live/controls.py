@@ -14,6 +14,7 @@ import pandas as pd
 import streamlit as st
 
 from evdash.domain.outlook import Outlook
+from evdash.ui.apart import one_click
 from evdash.ui.session import PRESET, Session, bundled, bundled_names
 from evdash.ui.settings import (
     NETWORK_NAMES,
@@ -207,7 +208,7 @@ def _in_force(session: Session, outlook: Outlook) -> None:
         st.caption("**Changed from the preset**  \n" + "  \n".join(log))
         st.button(
             "Restore the preset's settings",
-            on_click=session.restore,
+            on_click=one_click(session.restore),
             key="restore",
             type="tertiary",
             icon=":material/undo:",

@@ -5,6 +5,7 @@ from pydantic import ValidationError
 
 from evdash.domain.scenario import Arrival
 from evdash.horizon.guests import guest_name
+from evdash.ui.apart import one_click
 from evdash.ui.cases import CASES, Case
 from evdash.ui.parts import small_table
 from evdash.ui.session import Session, bundled_names
@@ -22,7 +23,7 @@ def prompts_row(session: Session) -> None:
         for prompt in session.once("prompts", lambda: prompts(session.run)):
             st.button(
                 plain(prompt.label),
-                on_click=session.press,
+                on_click=one_click(session.press),
                 args=(prompt,),
                 key=f"prompt_{prompt.key}",
                 help=f"{prompt.help} See before and after; Undo takes it back.",

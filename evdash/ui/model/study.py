@@ -12,6 +12,7 @@ from evdash.charts.drawn import Drawn
 from evdash.domain.scenario import GeneratedArrivals, Scenario
 from evdash.studies.days import DayTaken, days_taken
 from evdash.studies.days_file import MeasuredDays, processor, read_days
+from evdash.ui.apart import one_click
 from evdash.ui.parts import show, table_below
 from evdash.ui.session import Session
 from evdash.ui.solving import study_policy
@@ -101,7 +102,7 @@ def _controls(ours: Study) -> None:
     label = "Run them here" if not ours.days else "Go on"
     st.button(
         "Cancel" if ours.running else label,
-        on_click=_switch,
+        on_click=one_click(_switch),
         args=(ours,),
         key="run_study",
         icon=":material/stop:" if ours.running else ":material/play_arrow:",

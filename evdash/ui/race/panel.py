@@ -18,6 +18,7 @@ from evdash.policies.bid_price import KEPT
 from evdash.policies.race import CONTESTANTS, PAPERS, Race
 from evdash.policies.race_words import ANTICIPATING, race_sentences, race_table
 from evdash.policies.registry import RULES
+from evdash.ui.apart import apart, one_click
 from evdash.ui.parts import show, table, table_below
 from evdash.ui.race.racing import Finished, Racing, current_racing
 from evdash.ui.session import Session
@@ -58,11 +59,16 @@ def race_panel(session: Session) -> None:
 
 def _start(racing: Racing, inputs: Inputs, chosen: list[str]) -> None:
     if racing.is_running:
-        st.button("Stop the race", on_click=racing.cancel, key="race_stop", icon=":material/stop:")
+        st.button(
+            "Stop the race",
+            on_click=one_click(racing.cancel),
+            key="race_stop",
+            icon=":material/stop:",
+        )
         return
     st.button(
         "Race",
-        on_click=racing.start,
+        on_click=one_click(racing.start),
         args=(inputs, chosen),
         key="race_start",
         type="primary",
@@ -75,7 +81,7 @@ def _start(racing: Racing, inputs: Inputs, chosen: list[str]) -> None:
 def _watch(racing: Racing) -> None:
     """How far the race is; the fragment is there even when none is on."""
     on = racing.is_running
-    st.fragment(_beat, run_every=POLL_SECONDS if on else None)(racing, on)
+    apart(_beat, POLL_SECONDS if on else None)(racing, on)
 
 
 def _beat(racing: Racing, on: bool) -> None:

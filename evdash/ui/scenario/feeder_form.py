@@ -12,6 +12,7 @@ from evdash.imports.feeder import (
     with_network,
 )
 from evdash.imports.pandapower_json import decoded_json, is_pandapower, read_net
+from evdash.ui.apart import one_click
 from evdash.ui.scenario.editor import Editor, Said
 from evdash.ui.scenario.outcome import fault_table
 from evdash.ui.scenario.waiting import WaitingNetwork
@@ -82,7 +83,7 @@ def feeder_form(editor: Editor) -> None:
         with st.container(horizontal=True):
             st.button(
                 "Take the network in",
-                on_click=_take,
+                on_click=one_click(_take),
                 args=(editor, waiting, imported, station),
                 key="confirm_network",
                 type="primary",

@@ -29,6 +29,7 @@ from evdash.imports.scenario_book import (
 )
 from evdash.imports.tables import read_foreign_sheets
 from evdash.imports.workbook import is_workbook, sheet_names
+from evdash.ui.apart import one_click
 from evdash.ui.scenario.editor import Editor, Said, present_scenario
 from evdash.ui.scenario.feeder_form import (
     feeder_form,
@@ -63,7 +64,7 @@ def sources(session: Session, editor: Editor) -> None:
         st.selectbox("Begin from", list(names), format_func=names.__getitem__, key=FROM, width=260)
         st.button(
             "Take it",
-            on_click=_take,
+            on_click=one_click(_take),
             args=(session, editor),
             key="take_scenario",
             icon=":material/input:",
@@ -71,7 +72,7 @@ def sources(session: Session, editor: Editor) -> None:
         )
         st.button(
             "Undo",
-            on_click=editor.undo,
+            on_click=one_click(editor.undo),
             key="undo_scenario",
             icon=":material/undo:",
             disabled=not editor.can_undo,

@@ -16,6 +16,7 @@ from evdash.studies.keys import STUDY_KEYS
 from evdash.studies.questions import QUESTIONS, sure
 from evdash.studies.reading import lay_out, parse_study
 from evdash.studies.shelf import Shelf
+from evdash.ui.apart import one_click
 from evdash.ui.session import Session
 from evdash.ui.settings import NETWORK_NAMES
 from evdash.ui.studies.mine import base_of
@@ -206,7 +207,7 @@ def _start(shelf: Shelf, runs: StudyRuns | None) -> None:
         )
     st.button(
         "Start",
-        on_click=_begin,
+        on_click=one_click(_begin),
         args=(shelf, runs),
         key="start_study",
         type="primary",

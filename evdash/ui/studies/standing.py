@@ -5,6 +5,7 @@ import streamlit as st
 from evdash.studies.folder import StudyFolder
 from evdash.studies.shelf import Shelf
 from evdash.studies.stand import Stand, read_stand
+from evdash.ui.apart import apart
 from evdash.ui.studies.ask import CHOSEN
 from evdash.ui.studies.words import duration
 from evdash.ui.words import counted, plain
@@ -40,9 +41,7 @@ def standing(shelf: Shelf, folder: StudyFolder) -> Stand | None:
     """How far it is, by itself for as long as it runs; and the stand the page is drawn by."""
     stand = read_stand(folder)
     live = stand is not None and stand.is_live
-    st.fragment(_told, run_every=LOOK_SECONDS if live else None, key="study_stand")(
-        shelf, folder, stand
-    )
+    apart(_told, LOOK_SECONDS if live else None, key="study_stand")(shelf, folder, stand)
     return stand
 
 
