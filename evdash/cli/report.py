@@ -131,10 +131,13 @@ def _print_reasons(console: Console, trace: Trace) -> None:
 
 def _print_happenings(console: Console, trace: Trace) -> None:
     """What happened on the way, and what it changed."""
+
+    def clock(interval: int) -> str:
+        return f"{trace.scenario.time_of(interval):%H:%M}"
+
     for happening in trace.happenings:
-        clock = f"{trace.scenario.time_of(happening.interval):%H:%M}"
-        told = "; ".join(event.text for event in happening.events)
-        console.print(f"  {clock} {escape(told)}", soft_wrap=True)
+        told = "; ".join(event.told(clock) for event in happening.events)
+        console.print(f"  {clock(happening.interval)} {escape(told)}", soft_wrap=True)
         if happening.short_kwh:
             short = [revision for revision in happening.revisions if revision.short_kwh > 0]
             console.print(

@@ -3,7 +3,7 @@
 An event is known from the start of its interval on and never before.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -66,8 +66,19 @@ class Event(Record):
     @property
     def text(self) -> str:
         """What happens, in plain words without the time."""
-        words = EVENT_FORMS[self.event].words
-        return words.format(subject=self.subject or "", value=f"{self.amount:g}")
+        form, subject = EVENT_FORMS[self.event], self.subject or ""
+        if form.subject == "element":
+            subject = subject.replace(":", " ", 1)  # `line:632-633` is line 632-633
+        return form.words.format(subject=subject, value=f"{self.amount:g}")
+
+    def told(self, clock: Callable[[int], str]) -> str:
+        """What happens and the times it bears on, as `clock` tells the start of an interval."""
+        begin, end = self.from_interval, self.until_interval
+        if self.vehicle:
+            at = "" if end is None else f" at {clock(end)}"
+            return self.text + at + ("" if begin is None else f", back at {clock(begin)}")
+        since = "" if begin is None else f" from {clock(begin)}"
+        return self.text + since + ("" if end is None else f" until {clock(end)}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -191,7 +191,7 @@ def event_lines(account: Account) -> list[str]:
     clock = Clock(account.scenario, 0)
     lines = []
     for happening in account.trace.happenings:
-        told = f"{clock.at(happening.interval)}: {_told(happening.events)}."
+        told = f"{clock.at(happening.interval)}: {_told(happening.events, clock)}."
         if happening.short_kwh > 0:
             told += f" {happening.short_kwh:.1f} kWh promised could not be delivered in time."
         if happening.note:
@@ -200,8 +200,8 @@ def event_lines(account: Account) -> list[str]:
     return lines
 
 
-def _told(events: Iterable[Event]) -> str:
-    return "; ".join(event.text for event in events)
+def _told(events: Iterable[Event], clock: Clock) -> str:
+    return "; ".join(event.told(clock.at) for event in events)
 
 
 def edit_lines(account: Account) -> list[str]:

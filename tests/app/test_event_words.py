@@ -12,6 +12,7 @@ from evdash.ui.events.choices import CHOICES, checked, contracts, elements, even
 from evdash.ui.events.words import (
     contract_told,
     effect_told,
+    events_told,
     ledger_rows,
     remedies_told,
     short_rows,
@@ -46,6 +47,16 @@ def test_every_choice_makes_an_event_that_can_happen(kind):
 
 def test_a_fifth_less_is_a_factor_of_four_fifths():
     assert event_of(begun(), "load_factor", SAID).value == pytest.approx(0.8)
+
+
+def test_times_an_event_bears_on_are_told():
+    ahead = outlook(begun())
+    told_of = {kind: events_told((event_of(begun(), kind, SAID),), ahead) for kind in CHOICES}
+    assert told_of["late"] == r"a is late\, back at 02\:00"
+    assert told_of["leaves_early"] == r"a leaves early at 02\:00"
+    assert told_of["load_factor"].endswith(r"what was expected from 01\:00 until 02\:00")
+    assert told_of["chargers_fail"] == "1 of the chargers stop working"
+    assert told_of["rating"] == r"the rating of line s\-a is 50 kVA from now on"
 
 
 def test_what_cannot_happen_is_told():
@@ -96,7 +107,9 @@ def test_the_ledger_tells_the_story():
     story = story_told(entries[0], ahead)
     assert "was promised 12.0 kWh by 03:00" in story
     assert "at 01:00, 0 chargers work from now on, and 10.0 kWh can no longer be" in story
-    assert "It has 2.0 kWh so far; 10.0 kWh are missing." in story
+    assert "It got 2.0 kWh; 10.0 kWh are missing." in story
+    under_way = story_told(ledger(after)[0], outlook(after))
+    assert "It has 2.0 kWh so far; 10.0 kWh are missing." in under_way
     row = ledger_rows(entries, ahead)[0]
     assert (row["What became of it"], row["Known since"]) == ("! short", "01:00")
     assert summary_told(entries) == "2 short"

@@ -63,6 +63,15 @@ def test_a_failure_is_warned_of_with_remedies_and_told_by_the_ledger() -> None:
     assert set(rows["What became of it"]) >= {"! short", "✓ kept"}
 
 
+def test_chargers_that_failed_are_not_said_to_have_been_too_few_before() -> None:
+    at = clicked(asked(panel(), "chargers_fail", count=10), "event_apply")
+    figure = next(one for one in at.metric if one.label == "Charging")
+    assert (figure.value, figure.delta) == ("6", "of 12 chargers")
+    clicked(at, "step")
+    figure = next(one for one in at.metric if one.label == "Charging")
+    assert figure.delta == "of 2 chargers"
+
+
 def test_never_mind_changes_nothing() -> None:
     at = asked(panel(), "chargers_fail", count=10)
     before = session(at).run.trace

@@ -47,7 +47,7 @@ def test_columns_that_may_be_blank_may_be_left_out_and_no_events_make_no_file():
 def test_every_kind_says_what_happens_in_words():
     texts = [event.text for event in parse_scenario(with_events(EVERY_KIND)).events]
     assert len(set(texts)) == len(texts)
-    assert "the rating of line:634-a is 150.5 kVA from now on" in texts
+    assert "the rating of line 634-a is 150.5 kVA from now on" in texts
     assert "2 asks for 2.5 kWh more" in texts
 
 

@@ -50,7 +50,7 @@ def ledger(session: Session) -> None:
         )
         for happening in trace.happenings:
             at = clock(ahead.times[happening.interval], ahead)
-            told = f"{events_told(happening.events)}. {effect_told(happening)}"
+            told = f"{events_told(happening.events, ahead)}. {effect_told(happening)}"
             st.markdown(f"**{at}** {told}")
         changed = [entry for entry in entries if entry.changes]
         for entry in changed[:MOST_STORIES]:

@@ -188,7 +188,7 @@ def _preview(session: Session, ahead: Outlook) -> None:
     with st.spinner("Working out what it would do …"):
         after = session.once("event", lambda: happen(trace, [event]), detail=event)
     happening = after.happenings[-1]
-    told = f"**At {clock(ahead.clock, ahead)}, {events_told(happening.events)}.** "
+    told = f"**At {clock(ahead.clock, ahead)}, {events_told(happening.events, ahead)}.** "
     rows = short_rows(happening, ahead)
     with st.container(key="event_effect"):
         if rows:

@@ -18,10 +18,16 @@ STATUS = {
     "released": "~ cut short by its driver",
 }
 
+WORST_FIRST = ("short", "released", "open", "kept")
 
-def events_told(events: Sequence[Event]) -> str:
+
+def events_told(events: Sequence[Event], outlook: Outlook) -> str:
     """What happens, `10 of the chargers stop working`."""
-    return plain("; ".join(event.text for event in events))
+
+    def at(interval: int) -> str:
+        return clock(outlook.times[interval], outlook)
+
+    return plain("; ".join(event.told(at) for event in events))
 
 
 def contract_told(contract: Contract, outlook: Outlook) -> str:
@@ -99,7 +105,7 @@ def story_told(entry: LedgerEntry, outlook: Outlook) -> str:
     told = f"**{name}** was promised {entry.promised_kwh:.1f} kWh by {by}"
     for change in entry.changes:
         at = clock(outlook.times[change.interval], outlook)
-        what = f"at {at}, {plain(change.text)}"
+        what = f"at {at}, {events_told(change.events, outlook)}"
         if change.short_kwh > TOLD_KWH:
             told += f"; {what}, and {change.short_kwh:.1f} kWh can no longer be delivered in time"
         elif change.short_kwh < -TOLD_KWH:
@@ -114,11 +120,13 @@ def story_told(entry: LedgerEntry, outlook: Outlook) -> str:
         "released": "the promise is kept but for that",
         "open": "the promise can be kept",
     }
+    if outlook.now >= entry.revised_by_interval:
+        return f"{told}. It got {entry.delivered_kwh:.1f} kWh; {end[entry.status]}."
     return f"{told}. It has {entry.delivered_kwh:.1f} kWh so far; {end[entry.status]}."
 
 
 def ledger_rows(entries: Sequence[LedgerEntry], outlook: Outlook) -> list[dict[str, object]]:
-    """The ledger as a table."""
+    """The ledger as a table, promises short or cut first; else in order of arrival."""
 
     def at(interval: int | None) -> str:
         return "" if interval is None else clock(outlook.times[interval], outlook)
@@ -136,7 +144,7 @@ def ledger_rows(entries: Sequence[LedgerEntry], outlook: Outlook) -> list[dict[s
             "Known since": at(entry.since_interval),
             "Because": entry.cause,
         }
-        for entry in entries
+        for entry in sorted(entries, key=lambda entry: WORST_FIRST.index(entry.status))
     ]
 
 

@@ -53,6 +53,7 @@ def key_figures(session: Session) -> None:
     last = trace.steps[-1] if trace.steps else None
     charging = int(last.plan.charging[0]) if last else 0
     power = last.station_kw if last else 0.0
+    chargers = (last.inputs.scenario if last else trace.scenario).station.chargers
     headroom = ahead.headroom_kw[max(0, trace.now - 1)]
     span = f"in the interval before {clock(ahead.clock, ahead)}" if last else "before the day"
     figures = (
@@ -66,7 +67,7 @@ def key_figures(session: Session) -> None:
         (
             "Charging",
             f"{charging:,}",
-            f"of {counted(trace.scenario.station.chargers, 'charger')}",
+            f"of {counted(chargers, 'charger')}",
             f"Vehicles charging {span}.",
         ),
         (
