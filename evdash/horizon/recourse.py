@@ -29,6 +29,7 @@ from evdash.scheduling.shortfall import (
     least_shortfall,
     most_energy_for,
     step_effort,
+    usable,
 )
 
 SHED = (
@@ -193,7 +194,8 @@ def _schedules(problem: Problem, effort: Effort) -> Iterator[tuple[Floats, tuple
     if (missing <= ENERGY_TOLERANCE_KWH).all():
         yield there, ()
     try:
-        found = answered(partial(least_shortfall, problem, effort), effort.seconds)
+        asked = partial(least_shortfall, problem, effort)
+        found = usable(answered(asked, effort.seconds), problem)
     except SolverFailure:
         pass
     else:
@@ -226,8 +228,12 @@ def _asked_more(
     )
     problem = terms.problem(order, len(opened), extra)
     try:
-        found = answered(partial(most_energy_for, problem, extra, effort), effort.seconds)
+        most = partial(most_energy_for, problem, extra, effort)
+        found = usable(answered(most, effort.seconds), problem)
     except SolverFailure:
+        return terms, refused + NO_ROOM_FOUND
+    allowed = np.append(np.zeros(len(opened)), extra) + ENERGY_TOLERANCE_KWH
+    if (found.short_kwh > allowed).any():
         return terms, refused + NO_ROOM_FOUND
     power = np.zeros_like(terms.power_kw)
     power[order] = found.power_kw

@@ -198,6 +198,21 @@ def most_energy_for(problem: Problem, extra_kwh: float, effort: Effort) -> Recou
     return replace(_settled(problem, power_of(model)), proven=_is_proven(model))
 
 
+def usable(found: Recourse, problem: Problem) -> Recourse:
+    """What was found, if it is an answer to the problem that is true to itself.
+
+    Whether it keeps limits is for the checker to say. Raises SolverFailure.
+    """
+    shapes = found.power_kw.shape, found.short_kwh.shape
+    if shapes != (problem.window.shape, problem.owed_kwh.shape):
+        raise SolverFailure("the solver's answer is to another problem")
+    delivered = found.power_kw.sum(axis=1) * problem.interval_hours
+    apart = np.abs(problem.owed_kwh - delivered - found.short_kwh)
+    if not apart.max(initial=0.0) <= NOTICED_KWH:  # also where it is no number
+        raise SolverFailure("the solver's answer does not deliver what it says")
+    return found
+
+
 def plan_for_contracts(snapshot: Snapshot) -> Floats:
     """A schedule (contracts, slots) in kW that keeps every contract, whatever it costs.
 
@@ -208,7 +223,7 @@ def plan_for_contracts(snapshot: Snapshot) -> Floats:
     if problem.n_vehicles == 0:
         return problem.tail_kw
     effort = step_effort()
-    found = answered(partial(least_shortfall, problem, effort), effort.seconds)
+    found = usable(answered(partial(least_shortfall, problem, effort), effort.seconds), problem)
     missing = np.flatnonzero(found.short_kwh > 0)
     if len(missing) and not found.proven:
         raise SolverFailure("whether the contracts can be kept could not be decided")
