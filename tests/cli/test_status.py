@@ -129,3 +129,13 @@ def test_what_the_feeder_breaks_by_itself_is_told_and_no_failure(
     assert summary["limits_broken_by_feeder"]
     assert summary["limits_broken_by_station"] == []
     assert summary["admitted"] == 0
+
+
+@pytest.mark.parametrize("name", ["nothing happens", "all chargers fail"])
+def test_a_race_and_an_export_end_alike(name: str, small_day: Path, tmp_path: Path) -> None:
+    folder, told = Path(shutil.copytree(small_day, tmp_path / "scenario")), DAYS[name]
+    if told.events:
+        (folder / "events.csv").write_text(HEADER + told.events, encoding="utf-8")
+    status = 3 if told.broken else 0
+    assert main(["race", str(folder), "--policies", "fcfs", "edf"]) == status
+    assert main(["export", str(folder), "--report", str(tmp_path / "report.html")]) == status
