@@ -13,6 +13,36 @@ MOST_ROWS = 100_000
 """More than any table of a scenario may hold, so that a small .zip cannot fill the memory."""
 
 
+LONGEST_ROW = 200_000
+"""Characters of a row, so that its cells cannot fill the memory before they are counted."""
+MOST_COLUMNS, MOST_FAULTS = 200, 200
+
+
+class BoundedLines:
+    """Lines of a text for a reader of rows, which tells when it has `begun` another row.
+
+    csv.Error where a row, which may have many lines, is longer than any of a table's is.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._lines = io.StringIO(text, newline="")
+        self._length = 0
+
+    def begun(self) -> None:
+        """Another row begins with the next line."""
+        self._length = 0
+
+    def __iter__(self) -> "BoundedLines":
+        return self
+
+    def __next__(self) -> str:
+        line = next(self._lines)
+        self._length += len(line)
+        if self._length > LONGEST_ROW:
+            raise csv.Error(f"a row of more than {LONGEST_ROW:,} characters")
+        return line
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
     """Rows of a CSV file as column → text, and each row's number as a spreadsheet counts."""
@@ -42,17 +72,22 @@ def read_table(
         return None, faults
     number = 1
     try:
-        lines = csv.reader(io.StringIO(text, newline=""), strict=True)
+        bounded = BoundedLines(text)
+        lines = csv.reader(bounded, strict=True)
         header = [cell.strip() for cell in next(lines, [])]
         faults = _header_faults(name, header, record)
         if faults:
             return None, faults
         table = Table([], [])
+        bounded.begun()
         for number, cells in enumerate(lines, 2):
-            if not cells:
-                continue
+            bounded.begun()
             if number > MOST_ROWS:
                 return None, [*faults, _too_many(name)]
+            if not cells:
+                continue
+            if len(faults) >= MOST_FAULTS:
+                return None, faults
             if len(cells) != len(header):
                 rule = f"should be {len(header)}, as in the header"
                 faults.append(Fault(f"{name}, row {number}", f"{len(cells)} cells", rule))
@@ -73,6 +108,8 @@ def _header_faults(name: str, header: list[str], record: type[BaseModel]) -> lis
     known = list(record.model_fields)
     required = [column for column, field in record.model_fields.items() if field.is_required()]
     place, columns = f"{name}, header", f"columns are {', '.join(known)}"
+    if len(header) > MOST_COLUMNS:
+        return [Fault(place, f"{len(header):,} columns", columns)]
     faults = [
         Fault(f"{place}, column {column}", "nothing", f"should be there; {columns}")
         for column in required

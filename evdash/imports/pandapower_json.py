@@ -17,6 +17,8 @@ from evdash.files.wording import allowed, found, shown
 from evdash.grid.nets.records import RECORDS, Element, Net, Other
 
 MAX_BYTES = 32 * 1024 * 1024
+MAX_LISTS, MAX_VALUES = 1_000_000, 5_000_000
+"""What JSON may hold: as objects it is many times the size of its text."""
 MAX_ROWS = 20_000
 MAX_FAULTS = 100
 FORM = "should be a network as pandapower.to_json writes it"
@@ -44,6 +46,11 @@ def decoded_json(name: str, content: bytes, most_bytes: int = MAX_BYTES) -> Any:
     if len(content) > most_bytes:
         size = f"{len(content) / 2**20:.1f} MiB"
         raise InputError([Fault(name, size, f"at most {most_bytes // 2**20} MiB")])
+    lists = content.count(b"[") + content.count(b"{")
+    values = lists + content.count(b",") + content.count(b":")
+    if lists > MAX_LISTS or values > MAX_VALUES:
+        found = f"{lists:,} lists and objects, {values:,} values"
+        raise InputError([Fault(name, found, f"at most {MAX_LISTS:,} and {MAX_VALUES:,}")])
     try:
         return json.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:

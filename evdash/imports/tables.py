@@ -1,20 +1,16 @@
 """Tables of any columns, from CSV, Excel or JSON records, as text with the place of each row."""
 
 import csv
-import io
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 from evdash.errors import Fault, InputError
-from evdash.files.tables import decode
+from evdash.files.tables import BoundedLines, decode
 from evdash.imports.pandapower_json import decoded_json
 from evdash.imports.workbook import MAX_COLUMNS, MAX_ROWS, is_workbook, read_sheets
 
 MAX_BYTES = 32 * 1024 * 1024
-LONGEST_CELL = 10_000
-LONGEST_LINE = 200_000
 DECIMAL_COMMA = re.compile(r"[+-]?(\d{1,3}(\.\d{3})+|\d+)(,\d+)?")
 NESTED = ("userInputs",)
 
@@ -49,10 +45,11 @@ def read_foreign(name: str, content: bytes, sheet: str | None = None) -> Foreign
 def _from_csv(name: str, text: str) -> ForeignTable:
     head = text[:5000].partition("\n")[0]
     delimiter = max(",;\t", key=head.count)
-    csv.field_size_limit(LONGEST_CELL)
+    bounded = BoundedLines(text)
     lines = []
     try:
-        for cells in csv.reader(_bounded(name, text), delimiter=delimiter, strict=True):
+        for cells in csv.reader(bounded, delimiter=delimiter, strict=True):
+            bounded.begun()
             lines.append(cells)
             if len(lines) > MAX_ROWS:
                 raise InputError([Fault(name, f"more than {MAX_ROWS:,} rows", "at most so many")])
@@ -61,15 +58,6 @@ def _from_csv(name: str, text: str) -> ForeignTable:
         raise InputError([Fault(name, f"text that is no CSV ({error})", rule)]) from error
     table = _table(name, name, lines)
     return table if delimiter == "," else _with_points(table)
-
-
-def _bounded(name: str, text: str) -> Iterator[str]:
-    """Lines of a text, none so long that its cells could fill the memory."""
-    for number, line in enumerate(io.StringIO(text, newline=""), 1):
-        if len(line) > LONGEST_LINE:
-            rule = f"at most {LONGEST_LINE:,}"
-            raise InputError([Fault(f"{name}, line {number}", f"{len(line):,} characters", rule)])
-        yield line
 
 
 def _with_points(table: ForeignTable) -> ForeignTable:
@@ -135,7 +123,7 @@ def _table(name: str, place: str, lines: list[list[str]]) -> ForeignTable:
     if not header or len(lines) < 2:
         faults.append(Fault(place, "no rows", "should be a header and rows below it"))
     if len(header) > MAX_COLUMNS:
-        faults.append(Fault(place, f"{len(header)} columns", f"at most {MAX_COLUMNS}"))
+        raise InputError([Fault(place, f"{len(header):,} columns", f"at most {MAX_COLUMNS}")])
     for column in sorted({column for column in header if header.count(column) > 1}):
         faults.append(Fault(f"{place}, row 1", f"column {column!r} twice", "each column once"))
     rows, places = [], []
@@ -184,4 +172,4 @@ def _from_records(name: str, data: Any) -> ForeignTable:
 def _plain(value: Any) -> str:
     if value is None or isinstance(value, dict | list):
         return ""
-    return str(value).lower() if isinstance(value, bool) else str(value)[:LONGEST_CELL]
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -13,6 +13,7 @@ from typing import Any
 
 import openpyxl
 import xlsxwriter
+from openpyxl.utils import get_column_letter
 from openpyxl.utils.exceptions import InvalidFileException
 
 from evdash.errors import Fault, InputError
@@ -22,11 +23,19 @@ MAX_ENTRIES = 500
 PUBLISHED = datetime(1980, 1, 1)
 """Every workbook says it was made then, so that the same content gives the same file."""
 MAX_UNPACKED = 64 * 1024 * 1024
+MAX_MARKS = 4_000_000
+"""Tags and attributes: what XML may be that is read into memory, about 600,000 cells."""
 MAX_SHEETS = 30
 MAX_ROWS = 100_000
 MAX_COLUMNS = 200
+MAX_CELLS = 2_000_000
+MAX_FAULTS = 100
+CHUNK = 1024 * 1024
+OLD_OR_LOCKED = b"\xd0\xcf\x11\xe0"
+"""What .xls files begin with, and workbooks with a password."""
 UNREADABLE = (
     *UNZIPPABLE,
+    OSError,  # a .zip without a workbook in it
     InvalidFileException,
     LookupError,
     SyntaxError,  # XML that is none
@@ -65,14 +74,20 @@ def is_workbook(name: str) -> bool:
 def read_sheets(name: str, content: bytes) -> dict[str, Sheet]:
     """Every sheet's rows as text, blank ones included, so that rows count as in the sheet.
 
-    Formulas count by the value last calculated. Raises InputError where the file is no workbook
-    or larger than allowed.
+    Formulas count by the value last calculated; one without is a fault. Raises InputError where
+    the file is no workbook or larger than allowed.
     """
     with _opened(name, content) as book:
         if len(book.sheetnames) > MAX_SHEETS:
             found = f"{len(book.sheetnames)} sheets"
             raise InputError([Fault(name, found, f"at most {MAX_SHEETS}")])
-        return {sheet.title: _rows(name, sheet) for sheet in book.worksheets}
+        sheets: dict[str, Sheet] = {}
+        for sheet in book.worksheets:
+            room = MAX_CELLS - sum(len(row) for rows in sheets.values() for row in rows)
+            sheets[sheet.title] = _rows(name, sheet, room)
+    if _has_formulas(content):
+        _refuse_uncalculated(name, content, sheets)
+    return sheets
 
 
 def sheet_names(name: str, content: bytes) -> list[str]:
@@ -82,13 +97,13 @@ def sheet_names(name: str, content: bytes) -> list[str]:
 
 
 @contextmanager
-def _opened(name: str, content: bytes) -> Iterator[Any]:
+def _opened(name: str, content: bytes, with_formulas: bool = False) -> Iterator[Any]:
     """A workbook to read from; whatever is wrong with it, then or while it is read, is told."""
     _refuse_bomb(name, content)
     book = None
     try:
         book = openpyxl.load_workbook(
-            io.BytesIO(content), read_only=True, data_only=True, keep_links=False
+            io.BytesIO(content), read_only=True, data_only=not with_formulas, keep_links=False
         )
         yield book
     except UNREADABLE as error:
@@ -99,25 +114,74 @@ def _opened(name: str, content: bytes) -> Iterator[Any]:
 
 
 def _refuse_bomb(name: str, content: bytes) -> None:
+    """Refuse what is no workbook, or too much of one, before any of it is made into anything."""
+    if content.startswith(OLD_OR_LOCKED):
+        found = "an old workbook (.xls) or one with a password"
+        raise InputError([Fault(name, found, f"{RULE}, without a password")])
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             entries = archive.infolist()
             size = sum(entry.file_size for entry in entries)
+            if len(entries) > MAX_ENTRIES or size > MAX_UNPACKED:
+                found = f"{len(entries)} parts of {size / 2**20:,.0f} MiB unpacked"
+                rule = f"at most {MAX_ENTRIES} parts and {MAX_UNPACKED // 2**20} MiB"
+                raise InputError([Fault(name, found, rule)])
+            marks = sum(
+                chunk.count(b"<") + chunk.count(b"=")
+                for entry in entries
+                for chunk in _chunks(archive, entry)
+            )
     except UNZIPPABLE as error:
         raise InputError([Fault(name, f"a file that cannot be read ({error})", RULE)]) from error
-    if len(entries) > MAX_ENTRIES or size > MAX_UNPACKED:
-        found = f"{len(entries)} parts of {size / 2**20:,.0f} MiB unpacked"
-        rule = f"at most {MAX_ENTRIES} parts and {MAX_UNPACKED // 2**20} MiB"
-        raise InputError([Fault(name, found, rule)])
+    if marks > MAX_MARKS:
+        rule = f"at most {MAX_MARKS:,}, about {MAX_MARKS // 6:,} cells"
+        raise InputError([Fault(name, f"{marks:,} tags and attributes in its XML", rule)])
 
 
-def _rows(name: str, sheet: Any) -> Sheet:
+def _chunks(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Iterator[bytes]:
+    """A part of an archive piece by piece; no more of it than the size it was counted with."""
+    with archive.open(entry) as part:
+        while chunk := part.read(CHUNK):
+            yield chunk
+
+
+def _has_formulas(content: bytes) -> bool:
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        parts = [e for e in archive.infolist() if e.filename.startswith("xl/worksheets/")]
+        return any(b"<f" in archive.read(entry) for entry in parts)
+
+
+def _refuse_uncalculated(name: str, content: bytes, sheets: Mapping[str, Sheet]) -> None:
+    """Refuse formulas whose value no spreadsheet has ever worked out: they would read as blanks."""
+    rule = "should have a value: open and save it in a spreadsheet, or write the value itself"
+    faults = []
+    with _opened(name, content, with_formulas=True) as book:
+        for sheet in book.worksheets:
+            known = sheets[sheet.title]
+            sheet.reset_dimensions()
+            for number, cells in enumerate(sheet.iter_rows(values_only=True), 1):
+                values = known[number - 1] if number <= len(known) else ()
+                for place, formula in enumerate(cells):
+                    if formula is None or (place < len(values) and values[place]):
+                        continue
+                    if not str(formula).strip():
+                        continue
+                    head = known[0][place] if known and place < len(known[0]) else ""
+                    column = head if number > 1 and head else get_column_letter(place + 1)
+                    where = f"{name}, sheet {sheet.title}, row {number}, column {column}"
+                    faults.append(Fault(where, "a formula that was never calculated", rule))
+    if faults:
+        raise InputError(faults[:MAX_FAULTS])
+
+
+def _rows(name: str, sheet: Any, room: int) -> Sheet:
     rows: Sheet = []
     sheet.reset_dimensions()  # what a sheet claims is not believed
     for cells in sheet.iter_rows(values_only=True):
-        if len(rows) >= MAX_ROWS or len(cells) > MAX_COLUMNS:
+        room -= len(cells)
+        if len(rows) >= MAX_ROWS or len(cells) > MAX_COLUMNS or room < 0:
             found = f"{len(rows) + 1:,} rows or more, {len(cells):,} columns"
-            rule = f"at most {MAX_ROWS:,} rows and {MAX_COLUMNS} columns"
+            rule = f"at most {MAX_ROWS:,} rows, {MAX_COLUMNS} columns, {MAX_CELLS:,} cells in all"
             raise InputError([Fault(f"{name}, sheet {sheet.title}", found, rule)])
         rows.append(tuple(cell_text(cell) for cell in cells))
     while rows and not any(rows[-1]):

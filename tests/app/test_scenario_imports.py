@@ -10,6 +10,7 @@ from evdash.domain.scenario import RecordedArrivals, Scenario
 from evdash.grid.nets.shipped import shipped_json
 from evdash.imports.workbook import written
 from tests.app.test_scenario_page import editor, opened, press, session, upload
+from tests.imports.hostile import WORKBOOKS
 
 MONTH = "id,start,end,kwh\n" + "".join(
     f"{day}-{n},2019-03-{day:02d} {8 + n:02d}:15,2019-03-{day:02d} {15 + n}:00,{3 + n}\n"
@@ -194,3 +195,18 @@ def test_templates_are_offered() -> None:
     labels = [button.label for button in at.get("download_button")]
     for name in ("scenario.xlsx", "templates.zip", "sessions.csv", "prices.csv", "loads.csv"):
         assert any(label.endswith(f": {name}") for label in labels), name
+
+
+@pytest.mark.parametrize("kind", ["bomb", "entities", "far column", "text", "formula"])
+def test_hostile_workbooks_are_refused_and_the_page_goes_on(kind: str) -> None:
+    at = opened()
+    before = editor(at).draft
+    make, words = WORKBOOKS[kind]
+    upload(at, **{"mine.xlsx": make()})
+    assert "Nothing was taken in" in at.error[0].value
+    told = next(frame.value for frame in at.dataframe if "Where" in frame.value)
+    assert words in f"{told['Where'][0]}: found {told['Found'][0]}; {told['Allowed'][0]}"
+    assert editor(at).draft is before
+    upload(at, **{"march.csv": MONTH.encode()})
+    press(at, "confirm_sessions")
+    assert len(names(checked(at))) == 62
