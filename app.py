@@ -2,8 +2,12 @@
 
 import streamlit as st
 
-from evdash.ui import page, widths
-from evdash.ui.session import current
+from evdash.ui import look
+
+look.begin()
+with look.while_fetching():
+    from evdash.ui import page, widths
+    from evdash.ui.session import current
 
 page.begin()
 LEARN = [
@@ -20,5 +24,6 @@ PLAN = [
 shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
 page.go_on("pages/live.py")
 shown.run()
+page.freeze()
 page.keep_address()
 widths.listen(current())

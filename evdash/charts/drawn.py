@@ -18,7 +18,7 @@ from evdash.charts.style import BLUE, CLEAR, FONT_PX, Figure, is_axis
 
 FONT = '"Source Sans", sans-serif'
 INK = "rgb(125,125,126)"
-"""Text that takes the colour of the page's own: `evdash.ui.page` looks for just this grey."""
+"""Text that takes the colour of the page's own: `evdash.ui.look` looks for just this grey."""
 GRID = {"gridcolor": "rgba(128,128,128,0.22)", "zerolinecolor": "rgba(128,128,128,0.5)"}
 LABEL = {
     "font": {"size": FONT_PX, "family": FONT, "color": "#ffffff"},

@@ -13,6 +13,9 @@ from evdash.errors import PowerFlowDiverged
 from evdash.grid.lindistflow import Injections, base_injections, with_station
 from evdash.grid.radial import KW_PER_MW, RadialFeeder, radial_feeder
 
+NEWTON = {"numba": False, "tolerance_mva": 1e-8, "init": "flat", "max_iteration": 30}
+LOADS_CHANGE = {"bus_pq": True, "trafo": False, "gen": False}
+
 
 @dataclass(frozen=True, slots=True)
 class AcResult:
@@ -132,12 +135,21 @@ def build_feeder(scenario: Scenario) -> Any:
 
 
 def solve_network(net: Any, active_kw: Floats, reactive_kvar: Floats) -> None:
-    """Solve for one interval's injections at the nodes; raises PowerFlowDiverged."""
+    """Solve for one interval's injections at the nodes; raises PowerFlowDiverged.
+
+    Only loads change from one interval to the next, so what pandapower makes of the network is
+    kept: a third of the time. Newton's method starts from a flat profile all the same. From
+    another interval's solution it may find the one of low voltage.
+    """
     import pandapower
+    from pandapower.pypower.idx_bus import VA, VM
 
     net.load["p_mw"] = -active_kw / KW_PER_MW
     net.load["q_mvar"] = -reactive_kvar / KW_PER_MW
+    if net._ppc is not None:
+        for buses in (net._ppc["bus"], net._ppc["internal"]["bus"]):
+            buses[:, VM], buses[:, VA] = 1.0, 0.0
     try:
-        pandapower.runpp(net, numba=False, tolerance_mva=1e-8, init="flat", max_iteration=30)
+        pandapower.runpp(net, recycle=LOADS_CHANGE, **NEWTON)
     except pandapower.LoadflowNotConverged as error:
         raise PowerFlowDiverged("Newton's method found no AC solution") from error

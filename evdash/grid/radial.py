@@ -1,10 +1,10 @@
 """Topology of a radial feeder: one way, and only one, from the source to every node."""
 
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,22 +50,44 @@ def topology_problems(
 ) -> Iterator[tuple[int | None, str, str]]:
     """What keeps a network from being radial: (row of `lines` or None, found, allowed)."""
     rule = "a radial feeder has exactly one way from the source to every node"
-    graph: nx.Graph[Any] = nx.Graph()
-    graph.add_nodes_from(node.node for node in nodes)
+    edges: dict[frozenset[str], int] = {}
     for row, line in enumerate(lines):
-        if line.from_node == line.to_node:
+        ends = frozenset((line.from_node, line.to_node))
+        if len(ends) == 1:
             yield row, f"a line from {line.from_node} to itself", rule
-        elif graph.has_edge(line.from_node, line.to_node):
+        elif ends in edges:
             yield row, f"a second line between {line.from_node} and {line.to_node}", rule
         else:
-            graph.add_edge(line.from_node, line.to_node, row=row)
+            edges[ends] = row
+    reached = {source, *(child for _, child in _outward(edges, source))}
+    if len(reached) == len(nodes) == len(edges) + 1:
+        return
+    import networkx as nx  # only a feeder that is not radial needs it
+
+    graph: nx.Graph[Any] = nx.Graph()
+    graph.add_nodes_from(node.node for node in nodes)
+    graph.add_edges_from((min(ends), max(ends)) for ends in edges)
     for loop in nx.cycle_basis(graph, source):
-        row = max(graph.edges[a, b]["row"] for a, b in zip(loop, loop[1:] + loop[:1], strict=True))
+        row = max(edges[frozenset(ends)] for ends in zip(loop, loop[1:] + loop[:1], strict=True))
         yield row, f"a loop {' – '.join([*loop, loop[0]])}", rule
-    unreached = set(graph) - nx.node_connected_component(graph, source)
+    unreached = [node.node for node in nodes if node.node not in reached]
     if unreached:
-        named = ", ".join(node.node for node in nodes if node.node in unreached)
-        yield None, f"nodes without a way to the source {source}: {named}", rule
+        yield None, f"nodes without a way to the source {source}: {', '.join(unreached)}", rule
+
+
+def _outward(edges: Iterable[frozenset[str]], source: str) -> Iterator[tuple[str, str]]:
+    """Every node that can be reached after the one it is reached from, the nearest first."""
+    neighbours: dict[str, list[str]] = defaultdict(list)
+    for start, end in edges:
+        neighbours[start].append(end)
+        neighbours[end].append(start)
+    reached, seen = [source], {source}
+    for node in reached:
+        for beyond in neighbours[node]:
+            if beyond not in seen:
+                seen.add(beyond)
+                reached.append(beyond)
+                yield node, beyond
 
 
 def radial_feeder(scenario: Scenario) -> RadialFeeder:
@@ -73,14 +95,14 @@ def radial_feeder(scenario: Scenario) -> RadialFeeder:
     source = scenario.feeder.source_node
     names = tuple(node.node for node in scenario.nodes if node.node != source)
     index = {name: i for i, name in enumerate(names)}
-    graph: nx.Graph[Any] = nx.Graph()
-    for row, line in enumerate(scenario.lines):
-        graph.add_edge(line.from_node, line.to_node, row=row)
+    edges = {
+        frozenset((line.from_node, line.to_node)): row for row, line in enumerate(scenario.lines)
+    }
     on_way = np.zeros((len(names), len(scenario.lines)), dtype=bool)
-    for parent, child in nx.bfs_edges(graph, source):
+    for parent, child in _outward(edges, source):
         if parent != source:
             on_way[index[child]] = on_way[index[parent]]
-        on_way[index[child], graph.edges[parent, child]["row"]] = True
+        on_way[index[child], edges[frozenset((parent, child))]] = True
     base_ohm = scenario.feeder.base_kv**2 / scenario.feeder.base_mva
     return RadialFeeder(
         nodes=names,

@@ -7,7 +7,6 @@ from evdash.checker.feeder import FeederCheck
 from evdash.domain.limits import LimitRows
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Inputs, LimitCheck, Network
-from evdash.grid.aclimits import AcFeeder, ac_limit_rows
 from evdash.grid.reduction import limit_rows
 
 
@@ -19,9 +18,22 @@ class NetworkModel:
     check: Callable[[Scenario], LimitCheck]
 
 
+def _ac_rows(scenario: Scenario) -> LimitRows:
+    # power flows in batch are slow to import, and a day in the linearised model needs none
+    from evdash.grid.aclimits import ac_limit_rows  # noqa: PLC0415
+
+    return ac_limit_rows(scenario)
+
+
+def _ac_check(scenario: Scenario) -> LimitCheck:
+    from evdash.grid.aclimits import AcFeeder  # noqa: PLC0415
+
+    return AcFeeder(scenario)
+
+
 NETWORKS: Mapping[Network, NetworkModel] = {
     "lindistflow": NetworkModel(limit_rows, FeederCheck),
-    "ac": NetworkModel(ac_limit_rows, AcFeeder),
+    "ac": NetworkModel(_ac_rows, _ac_check),
 }
 
 

@@ -8,7 +8,7 @@ from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 from evdash.grid.acbreaches import ac_breaches
-from evdash.grid.acflow import AcNetwork
+from evdash.grid.acflow import AcNetwork, AcResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +37,24 @@ def unchecked_point(scenario: Scenario, failure: str) -> AcPoint:
     return AcPoint(np.full(len(scenario.nodes) - 1, np.nan), (), failure)
 
 
-def ac_point(network: AcNetwork, scenario: Scenario, interval: int, station_kw: float) -> AcPoint:
-    """An interval as executed, held against the same interval without the station."""
-    at = np.array([interval])
-    executed = network.flow(scenario, at, np.array([station_kw]))
-    base = network.flow(scenario, at, np.zeros(1))
+def without_station(network: AcNetwork, scenario: Scenario, interval: int) -> AcResult:
+    """What the feeder does by itself in an interval: a result of one row."""
+    return network.flow(scenario, np.array([interval]), np.zeros(1))
+
+
+def ac_point(
+    network: AcNetwork,
+    scenario: Scenario,
+    interval: int,
+    station_kw: float,
+    base: AcResult | None = None,
+) -> AcPoint:
+    """An interval as executed, held against the same interval without the station.
+
+    `base`, from `without_station`, saves solving that again.
+    """
+    executed = network.flow(scenario, np.array([interval]), np.array([station_kw]))
+    base = base or without_station(network, scenario, interval)
     breaches = ac_breaches(scenario, executed, base)
     return AcPoint(
         executed.voltage_pu[0], tuple(replace(breach, interval=interval) for breach in breaches)

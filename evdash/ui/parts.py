@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import pandas as pd
 import streamlit as st
 
 from evdash.charts.drawn import Drawn
@@ -53,7 +52,7 @@ def table_below(
 
 def table(rows: list[dict[str, object]], alt: str) -> None:
     """Rows as a data grid."""
-    st.dataframe(pd.DataFrame(rows), hide_index=True, alt=alt)
+    st.dataframe(rows, hide_index=True, alt=alt)
 
 
 def small_table(rows: Sequence[Mapping[str, object]], height: int) -> None:

@@ -14,14 +14,17 @@ from collections.abc import Hashable
 
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
-from evdash.grid.acflow import AcNetwork
-from evdash.metrics.ac import AcPoint, ac_point, unchecked_point
+from evdash.grid.acflow import AcNetwork, AcResult
+from evdash.metrics.ac import AcPoint, ac_point, unchecked_point, without_station
 
 MOST_RESULTS = 5_000
 MOST_NETWORKS = 4
+MOST_BASES = 500
 MOST_DIGESTS = 64
 FIRST_PAGE_SECONDS = 1.0
 """Loading waits so long after the first page asked, so that its browser is served first."""
+IDLE_SECONDS = 0.5
+"""Who has asked for nothing so long is at rest, and something can be done ahead."""
 ATTEMPTS = 2
 """The second with a network built anew: what failed may have left the first in disorder."""
 
@@ -36,6 +39,8 @@ class Referee:
         self._asked: set[Hashable] = set()
         self._queue: queue.SimpleQueue[tuple[Hashable, Step]] = queue.SimpleQueue()
         self._networks: OrderedDict[Hashable, AcNetwork] = OrderedDict()
+        self._bases: OrderedDict[Hashable, AcResult] = OrderedDict()
+        self._latest: Step | None = None
         self._lock = threading.Lock()
         self._worker: threading.Thread | None = None
         self.is_ready = False
@@ -52,8 +57,10 @@ class Referee:
                 if key not in self._found and key not in self._asked:
                     self._asked.add(key)
                     self._queue.put((key, step))
-            if self._asked and self._worker is None:
-                self._worker = threading.Thread(target=self._work, name="ac", daemon=True)
+            if self._worker is None:
+                self._worker = threading.Thread(
+                    target=self._work, args=(trace.scenario,), name="ac", daemon=True
+                )
                 self._worker.start()
         until = time.monotonic() + (patience_seconds if self.is_ready else 0.0)
         while True:
@@ -63,16 +70,34 @@ class Referee:
                 return known
             time.sleep(0.005)
 
-    def _work(self) -> None:
+    def _work(self, first: Scenario) -> None:
         time.sleep(FIRST_PAGE_SECONDS)
+        self._prepare(first, 0)  # it takes seconds to import, and the first step need not wait
+        self.is_ready = True
+        gc.freeze()  # what the power flow brought along lives as long as the server
         while True:
-            key, step = self._queue.get()
+            try:
+                key, step = self._queue.get(timeout=IDLE_SECONDS)
+            except queue.Empty:
+                if self._latest is not None:
+                    self._prepare(self._latest.inputs.scenario, self._latest.interval + 1)
+                key, step = self._queue.get()
             finding = self._find(step)
             with self._lock:
                 self._found[key] = finding
                 self._asked.discard(key)
                 while len(self._found) > MOST_RESULTS:
                     self._found.popitem(last=False)
+            self._latest = step
+
+    def _prepare(self, scenario: Scenario, interval: int) -> None:
+        """Solve, while nobody waits, what will be asked of an interval that is yet to come."""
+        if interval < scenario.intervals:
+            try:
+                self._base(scenario, interval)
+            except Exception:  # it is told where it is asked for
+                log.exception("AC power flow of interval %d failed", interval)
+                self._networks.pop(_feeder_key(scenario), None)
 
     def _find(self, step: Step) -> AcPoint:
         failure = ""
@@ -87,12 +112,18 @@ class Referee:
 
     def _flow(self, step: Step) -> AcPoint:
         scenario = step.inputs.scenario
-        network = self._network(scenario)
-        point = ac_point(network, scenario, step.interval, step.station_kw)
-        if not self.is_ready:
-            self.is_ready = True
-            gc.freeze()  # what the power flow brought along lives as long as the server
-        return point
+        base = self._base(scenario, step.interval)
+        return ac_point(self._network(scenario), scenario, step.interval, step.station_kw, base)
+
+    def _base(self, scenario: Scenario, interval: int) -> AcResult:
+        """The interval without the station."""
+        row = scenario.profile[interval]
+        key = digests.of(scenario), row.load_pu, row.generation_pu
+        if key not in self._bases:
+            self._bases[key] = without_station(self._network(scenario), scenario, interval)
+            while len(self._bases) > MOST_BASES:
+                self._bases.popitem(last=False)
+        return self._bases[key]
 
     def _network(self, scenario: Scenario) -> AcNetwork:
         key = _feeder_key(scenario)

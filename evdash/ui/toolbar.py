@@ -43,7 +43,7 @@ def toolbar(session: Session) -> None:
         )
         hand_on(session)
         st.caption(
-            f"{ahead.clock:%a %d %b} · {trace.now} of {ahead.n_intervals}",
+            f"{ahead.clock:%a %d %b} · {trace.now} of {counted(ahead.n_intervals, 'interval')}",
             text_alignment="right",
             help=f"{ahead.clock:%A, %d %B}: {trace.now} of "
             f"{counted(ahead.n_intervals, 'interval')} decided. {LINK_HELP}",

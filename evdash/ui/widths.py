@@ -13,9 +13,12 @@ from evdash.ui.session import Session
 
 WIDEST_PX = 10_000
 # Reads what plotly holds of itself; nothing is measured and nothing sent unless it changed.
+# It is called at every run of the page, and told to clear away only when it goes: so what it
+# holds hangs on its element, and there is one clock and not one more at every step.
 SCRIPT = """
-export default function ({ setStateValue }) {
-  let told = "";
+export default function ({ parentElement, setStateValue }) {
+  const held = (parentElement.evdash ??= { told: "" });
+  held.send = setStateValue;
   const tell = () => {
     const widths = {};
     for (const chart of document.querySelectorAll(".js-plotly-plot")) {
@@ -23,10 +26,10 @@ export default function ({ setStateValue }) {
       if (key && chart.layout?.width) { widths[key[1]] = chart.layout.width; }
     }
     const now = JSON.stringify(widths);
-    if (now !== told && now !== "{}") { told = now; setStateValue("widths", widths); }
+    if (now !== held.told && now !== "{}") { held.told = now; held.send("widths", widths); }
   };
-  const watch = setInterval(tell, 700);
-  return () => clearInterval(watch);
+  held.watch ??= setInterval(tell, 700);
+  return () => { clearInterval(held.watch); held.watch = null; };
 }
 """
 _component = st.components.v2.component("evdash_widths", js=SCRIPT)

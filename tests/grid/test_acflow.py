@@ -88,3 +88,14 @@ def test_order_and_direction_of_tables_do_not_matter():
     assert other.nodes == ("b", "a")
     assert other.voltage_pu[0, ::-1] == pytest.approx(straight.voltage_pu[0])
     assert other.line_kva[0, ::-1] == pytest.approx(straight.line_kva[0])
+
+
+def test_every_interval_is_solved_as_if_it_were_alone():
+    load = [0.2, 1.0, 100, 0.6, 0.0]
+    scenario = one_line(200, load=load, price=[0.1] * 5)
+    station_kw = np.array([0.0, 90.0, 0.0, 900.0, 5.0])
+    whole = ac_flow(scenario, station_kw)
+    for interval in range(5):
+        alone = AcNetwork(scenario).flow(scenario, np.array([interval]), station_kw[[interval]])
+        for name in ("voltage_pu", "line_kva", "losses_kw"):
+            np.testing.assert_array_equal(getattr(whole, name)[[interval]], getattr(alone, name))

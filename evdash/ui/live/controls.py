@@ -10,7 +10,6 @@ had set, and would show, and hand in, the lowest number there is.
 from collections.abc import MutableMapping
 from typing import Any
 
-import pandas as pd
 import streamlit as st
 
 from evdash.domain.outlook import Outlook
@@ -167,6 +166,9 @@ def price_editor(session: Session, outlook: Outlook) -> None:
     The editor keeps only differences to the table it was given, so that stays the same
     until prices change elsewhere, or an edit is refused, and then the editor begins anew.
     """
+    # half a second that the first page is not to wait for
+    import pandas as pd  # noqa: PLC0415
+
     trace = session.run.trace
     first = 0 if trace.is_over else trace.now
     prices = tuple(trace.scenario.price_per_kwh[first:].tolist())

@@ -17,9 +17,9 @@ from evdash.studies.questions import QUESTIONS, sure
 from evdash.studies.reading import lay_out, parse_study
 from evdash.studies.shelf import Shelf
 from evdash.ui.apart import one_click
+from evdash.ui.scenario.editor import present_scenario
 from evdash.ui.session import Session
 from evdash.ui.settings import NETWORK_NAMES
-from evdash.ui.studies.mine import base_of
 from evdash.ui.studies.words import duration
 from evdash.ui.words import counted, plain
 
@@ -47,7 +47,7 @@ FILE_HELP = (
 
 def ask(session: Session, shelf: Shelf) -> None:
     """The question, its settings, what it will take, and the button that starts it."""
-    scenario = base_of(session)
+    scenario = present_scenario(session)
     titles = {name: question.title for name, question in QUESTIONS.items()}
     titles[OWN] = "My own axes"
     name = st.selectbox(

@@ -5,11 +5,8 @@ from typing import TYPE_CHECKING
 
 import streamlit as st
 
-from evdash.domain.scenario import Scenario
 from evdash.store.place import store_directory
 from evdash.store.runs import new_link
-from evdash.ui.scenario.editor import present_scenario
-from evdash.ui.session import Session
 
 if TYPE_CHECKING:
     from evdash.studies.shelf import Shelf
@@ -36,11 +33,6 @@ def current_shelf() -> "Shelf":
         st.session_state[KEY] = _shelf(new_link())
     shelf: Shelf = st.session_state[KEY]
     return shelf
-
-
-def base_of(session: Session) -> Scenario:
-    """What a study varies: another day of the present run, with its settings as they are."""
-    return present_scenario(session)
 
 
 def _shelf(owner: str) -> "Shelf":
