@@ -85,7 +85,7 @@ def known_day(problem: Problem, opens: Ints) -> KnownDay:
     upper[at.u] = contract | charges.servable
     program = LinearProgram(cost, rows.matrix(at.total), *rows.limits(), lower, upper)
     return KnownDay(
-        Relaxation(problem, charges, headroom_kw, slots, at, program),
+        Relaxation(problem, charges, headroom_kw, slots, at, program, slice(above, rows.count)),
         limited_slots(at, charges, headroom_kw),
         np.arange(above, between),
         np.arange(between, rows.count),

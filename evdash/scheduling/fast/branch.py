@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.domain.limits import Floats
+from evdash.scheduling.fast.pricing import added_cost
 from evdash.scheduling.fast.search import Search
 from evdash.scheduling.highs import SEMI_CONTINUOUS, WHOLE, Kinds, LpPoint, MilpOutcome
 from evdash.scheduling.problem import Bools
@@ -80,11 +81,11 @@ def settled_by_reduced_costs(search: Search, root: LpPoint, allowed: float) -> S
     `root` is the LP without any bound on u but the program's own.
     """
     at, program = search.relaxation.columns, search.relaxation.program
-    reduced = root.reduced_cost[at.u]
+    added = added_cost(search.relaxation, root)
     lower, upper = program.lower[at.u].copy(), program.upper[at.u].copy()
     free = lower < upper
-    upper[free & (reduced > allowed)] = 0.0
-    lower[free & (-reduced > allowed)] = 1.0
+    upper[free & (added > allowed)] = 0.0
+    lower[free & (-added > allowed)] = 1.0
     off = cost_of_running(search, root.reduced_cost) > allowed
     return Settled(off, np.zeros_like(off), lower, upper)
 

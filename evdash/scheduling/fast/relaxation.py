@@ -18,7 +18,10 @@ from evdash.scheduling.rows import Indices, Rows
 
 @dataclass(frozen=True, slots=True)
 class Relaxation:
-    """The program, its columns and what they were made from."""
+    """The program, its columns and what they were made from.
+
+    `shared` are the rows that bind vehicles to one another; every other is one vehicle's own.
+    """
 
     problem: Problem
     charges: Charges
@@ -26,6 +29,7 @@ class Relaxation:
     charger_slots: Bools
     columns: Columns
     program: LinearProgram
+    shared: slice
 
     def power_kw(self, values: Floats) -> Floats:
         """P of a point, (vehicles, slots), kW."""
@@ -43,6 +47,7 @@ def relaxation_of(
     energy_owed(rows, at, charges)
     charger_on(rows, at, charges, problem)
     power_only_under_contract(rows, at, charges, problem)
+    own = rows.count
     feeder_limit(rows, at, charges, headroom_kw)
     charger_count(rows, at, problem, charger_slots)
     energy_by_deadlines(rows, at, charges, problem, headroom_kw)
@@ -63,7 +68,8 @@ def relaxation_of(
         lower=lower,
         upper=upper,
     )
-    return Relaxation(problem, charges, headroom_kw, charger_slots, at, program)
+    shared = slice(own, rows.count)
+    return Relaxation(problem, charges, headroom_kw, charger_slots, at, program, shared)
 
 
 def energy_owed(rows: Rows, at: Columns, charges: Charges) -> None:
