@@ -43,6 +43,20 @@ class Change:
         """Whether the vehicle's power or window may differ."""
         return self.lifted or any((self.later, self.need_kwh, self.max_kw))
 
+    def is_within(self, more: "Change") -> bool:
+        """Whether `more` is the same or more of headroom and chargers, with nothing else."""
+        if replace(self, chargers=0, headroom_kw=0.0, slots=None) != NOTHING:
+            return False
+        if replace(more, chargers=0, headroom_kw=0.0, slots=None) != NOTHING:
+            return False
+        if self.chargers > more.chargers:
+            return False
+        if not self.headroom_kw:
+            return True
+        known = self.slots is not None and more.slots is not None
+        within = known and set(self.slots or ()) <= set(more.slots or ())
+        return self.headroom_kw <= more.headroom_kw and (within or self.slots == more.slots)
+
 
 NOTHING = Change()
 

@@ -20,11 +20,10 @@ HEADROOM_STEPS_KW = ((5.0, 0.1), (20.0, 0.5), (100.0, 2.0), (np.inf, 50.0))
 """Headroom is told in steps of 0.1 kW up to 5 kW, of 0.5 kW up to 20 kW, and so on."""
 PREFERRED = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0)
 """Where a crowd competes, in amounts graded as ratings are: ten a decade (R10 of ISO 3)."""
-CROWD = 6
-"""Other newcomers above which each solve takes long, and is shared by all that are refused."""
 FIRST_STRIDE, FIRST_STRIDE_GRADED = 16, 4
 """The same for all vehicles, so that those who ask together share what is solved."""
 PRICE_STEP_USD = 1e-4
+HAIR_KW = 1e-6
 MOST_HOURS_LATER = 12
 
 
@@ -110,12 +109,16 @@ def more_headroom(trials: Trials) -> Remedy | NoRemedy:
     room = trials.snapshot.rows.headroom_kw()[: trials.window]
     if not np.isfinite(room).any() or cannot_help(trials, everything):
         return NoRemedy("headroom", np.inf, proven=True)
-    crowded = len(trials.others) > CROWD
     graded, stride = (
-        (graded_headroom_kw, FIRST_STRIDE_GRADED) if crowded else (headroom_grid_kw, FIRST_STRIDE)
+        (graded_headroom_kw, FIRST_STRIDE_GRADED)
+        if trials.is_crowded
+        else (headroom_grid_kw, FIRST_STRIDE)
     )
     grid_kw = graded(trials.all_power_kw)
-    ladder = Ladder(trials, lambda steps: change_by("headroom", grid_kw[steps]))
+    unfit = bisect_left(grid_kw, trials.least_headroom_kw() - HAIR_KW) - 1
+    ladder = Ladder(
+        trials, lambda steps: change_by("headroom", grid_kw[steps]), unfit=max(0, unfit)
+    )
     found = ladder.climb(stride, len(grid_kw) - 1)
     if found.steps is None:
         return NoRemedy("headroom", np.inf, proven=found.least)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 
 from evdash.explain.changes import Change
 from evdash.explain.trials import Trials
-from evdash.scheduling.problem import OPTIMALITY_USD
 
 MOST_SPLITS = 8
 MOST_NEWCOMERS_SPLIT = 24
@@ -37,12 +36,13 @@ class Ladder:
     """Amounts 0, 1, … steps of one change, of which 0 does not admit the vehicle.
 
     `single`: whether there can be but one threshold, as where P1 without the vehicle does not
-    change with the amount.
+    change with the amount. `unfit`: an amount known not to make room for it at all.
     """
 
     trials: Trials
     change: Callable[[int], Change]
     single: bool = False
+    unfit: int = 0
     found: int | None = None
     gaps: list[tuple[int, int]] = field(default_factory=list)
     splits: int = 0
@@ -72,7 +72,9 @@ class Ladder:
         """The largest amount with which the vehicle does not even fit beside the contracts."""
         if not self._cannot_fit(0):
             return 0
-        below, above = 0, most + 1
+        below, above = min(self.unfit, most), most + 1
+        if below < most and not self._cannot_fit(below + 1):
+            return below
         while above - below > 1:
             middle = (below + above) // 2
             below, above = (middle, above) if self._cannot_fit(middle) else (below, middle)
@@ -123,5 +125,4 @@ class Ladder:
 
     def _ruled_out(self, low: int, high: int) -> bool:
         """Whether nothing between two amounts can admit the vehicle, a tie within a cent apart."""
-        without = self.trials.cost(self.change(low))
-        return self.trials.bound_with(self.change(high)) >= without - OPTIMALITY_USD
+        return self.trials.none_between(self.change(low), self.change(high))

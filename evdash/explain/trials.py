@@ -9,11 +9,13 @@ from evdash.domain.plan import Plan, Policy, Snapshot
 from evdash.domain.trace import Inputs
 from evdash.domain.vehicles import Request
 from evdash.explain.changes import NOTHING, Change, asked, changed
-from evdash.scheduling.fast.forced import lp_bound_with
+from evdash.scheduling.fast.forced import least_headroom_kw, lp_bound_with
 from evdash.scheduling.problem import OPTIMALITY_USD, problem_of
 
 Plans = dict[tuple[str, Change], Plan]
 """P1's plans by the vehicle a change bears on ("" for all alike) and the change."""
+CROWD = 6
+"""Other newcomers above which each solve takes long, and is shared by all that are refused."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +23,7 @@ class Trials:
     """One refused vehicle at one interval, and the plans of all changes tried so far.
 
     `plans` may be shared by the vehicles refused at one step: a change that bears on all alike
-    is solved once for all of them.
+    is solved once for all of them. `lp_bounds` keeps what `lp_bound_with` found.
     """
 
     inputs: Inputs
@@ -29,6 +31,7 @@ class Trials:
     request: Request
     policy: Policy
     plans: Plans = field(default_factory=dict)
+    lp_bounds: dict[Change, float] = field(default_factory=dict)
 
     @property
     def vehicle(self) -> str:
@@ -48,6 +51,11 @@ class Trials:
     def others(self) -> frozenset[str]:
         """The newcomers beside it."""
         return frozenset(r.vehicle for r in self.snapshot.requests) - {self.vehicle}
+
+    @property
+    def is_crowded(self) -> bool:
+        """Whether so many compete that each solve takes long."""
+        return len(self.others) > CROWD
 
     @property
     def idle_chargers(self) -> int:
@@ -106,17 +114,56 @@ class Trials:
     def too_dear(self, change: Change) -> bool:
         """Whether the LP alone proves that P1 refuses the vehicle under a change.
 
-        More headroom or chargers make P1 without the vehicle no dearer than it was. What is the
-        vehicle's own is rarely refused so, and not asked.
+        What is the vehicle's own is rarely refused so, and not asked.
         """
         if change.without or change.bears_on_vehicle or self._key(change) in self.plans:
             return False
-        return self.lp_bound_with(change) > self.cost_without + OPTIMALITY_USD
+        return self.lp_exceeds(change, self.known_cost(change) + OPTIMALITY_USD)
+
+    def known_cost(self, change: Change) -> float:
+        """What P1's value under a change of headroom or chargers cannot exceed, $.
+
+        More of both never makes it dearer, so every plan made with less of both says so.
+        """
+        change, as_it_was = self.as_far_as_it_matters(change), self.cost_without
+        less_room = [
+            _objective(plan)
+            for (vehicle, less), plan in self.plans.items()
+            if not vehicle and less.is_within(change)
+        ]
+        return min([as_it_was, *less_room])
+
+    def lp_exceeds(self, change: Change, usd: float) -> bool:
+        """Whether the LP's value with the vehicle in exceeds an amount under a change.
+
+        It is not solved where it cannot: more headroom or chargers never make it dearer.
+        """
+        change = self.as_far_as_it_matters(change)
+        for other, bound in self.lp_bounds.items():
+            if bound <= usd and other.is_within(change):
+                return False
+            if bound > usd and change.is_within(other):
+                return True
+        return self.lp_bound_with(change) > usd
 
     def lp_bound_with(self, change: Change) -> float:
         """What P1's value with the vehicle in cannot fall below, by its LP, $."""
-        anew = changed(self.inputs, self.snapshot, self.vehicle, change)
-        return lp_bound_with(problem_of(anew), self.vehicle)
+        change = self.as_far_as_it_matters(change)
+        if change not in self.lp_bounds:
+            anew = changed(self.inputs, self.snapshot, self.vehicle, change)
+            self.lp_bounds[change] = lp_bound_with(problem_of(anew), self.vehicle)
+        return self.lp_bounds[change]
+
+    def none_between(self, less: Change, more: Change) -> bool:
+        """Whether nothing between two amounts can admit the vehicle, a tie within a cent apart."""
+        if self.lp_exceeds(more, self.known_cost(less) - OPTIMALITY_USD):
+            return True
+        return self.bound_with(more) >= self.cost(less) - OPTIMALITY_USD
+
+    def least_headroom_kw(self) -> float:
+        """With less headroom more than this the vehicle cannot fit beside the contracts, kW."""
+        alone = changed(self.inputs, self.snapshot, self.vehicle, Change(without=self.others))
+        return least_headroom_kw(problem_of(alone), self.vehicle, range(self.window))
 
     def cost(self, change: Change) -> float:
         """P1's value under a change, $."""
@@ -137,7 +184,18 @@ class Trials:
         alone = replace(change, bonus=self.bonus, without=self.others)
         if asked(self.inputs, self.snapshot, self.request, alone).refusal:
             return True
+        if self.known_to_fit(change):
+            return False
         return not self.admits(alone) and self.plan(alone).report.status == "optimal"
+
+    def known_to_fit(self, change: Change) -> bool:
+        """Whether a plan made with no more headroom or chargers holds the vehicle."""
+        change = self.as_far_as_it_matters(change)
+        return any(
+            self.vehicle in plan.admitted
+            and replace(less, bonus=0.0, without=frozenset()).is_within(change)
+            for (_, less), plan in self.plans.items()
+        )
 
     def forced(self, change: Change = NOTHING) -> Plan | None:
         """P1's plan with the vehicle in, whatever it costs; None if no such plan was found.

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from evdash.explain.changes import Change
 from evdash.explain.search import Ladder
+from evdash.scheduling.problem import OPTIMALITY_USD
 
 
 @dataclass
@@ -28,8 +29,8 @@ class MadeUp:
     def cost(self, change: Change) -> float:
         return min(self.with_it[change.chargers], self.without[change.chargers])
 
-    def bound_with(self, change: Change) -> float:
-        return self.with_it[change.chargers]
+    def none_between(self, less: Change, more: Change) -> bool:
+        return self.with_it[more.chargers] >= self.cost(less) - OPTIMALITY_USD
 
 
 def climb(made_up: MadeUp, start: int = 1):

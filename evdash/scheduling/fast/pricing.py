@@ -38,7 +38,11 @@ def added_cost(relaxation: Relaxation, point: LpPoint) -> Floats:
 def priced_columns(relaxation: Relaxation, point: LpPoint) -> Floats:
     """The cost of each column with what it takes of the shared rows at their duals, (columns,)."""
     program, rows = relaxation.program, relaxation.shared
-    return np.asarray(program.cost - program.matrix[rows].T @ point.row_dual[rows])
+    starts = program.matrix.indptr[rows.start : rows.stop + 1]
+    entries = slice(starts[0], starts[-1])
+    paid = np.repeat(point.row_dual[rows], np.diff(starts)) * program.matrix.data[entries]
+    columns = program.matrix.indices[entries]
+    return np.asarray(program.cost - np.bincount(columns, paid, minlength=len(program.cost)))
 
 
 def cheapest_charge(relaxation: Relaxation, prices: Floats) -> Floats:
