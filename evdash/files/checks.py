@@ -4,6 +4,7 @@ Each check yields the problems it finds. A problem names every place it draws on
 can be left untold where one of them is already known to be faulty.
 """
 
+import math
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass
@@ -24,6 +25,10 @@ EVERY = -1
 SUM_TOLERANCE = 1e-6
 MOST_CELLS = 5_000_000
 """Intervals times nodes; the feeder's arrays have so many numbers each."""
+MOST_PLANNED = 500_000_000
+"""Intervals squared times chargers; every step keeps a plan to the end of the horizon: 4 GB."""
+FEW_INTERVALS = 600
+"""Two days of five minutes, which any station may have."""
 LEAST_OHM = 1e-6
 LEAST_SOC = 1e-4
 """A wish smaller than this is none, and would be a contract of no interval at all."""
@@ -71,6 +76,18 @@ def size(scenario: Scenario) -> Iterator[Problem]:
                 f"{known.vehicles_per_day:g}, or {expected:,.0f} vehicles in all",
                 f"should be at most {MOST_VEHICLES:,} in all",
             )
+
+
+def plans_kept(scenario: Scenario) -> Iterator[Problem]:
+    chargers = scenario.station.chargers
+    most = max(FEW_INTERVALS, math.isqrt(MOST_PLANNED // max(1, chargers)))
+    if scenario.intervals > most:
+        yield Problem(
+            (("intervals",), ("station", "chargers")),
+            f"{scenario.intervals} intervals with {chargers} chargers",
+            f"should be at most {most:,} intervals with so many, as the plan of each is kept to "
+            "the end; longer intervals or fewer days do",
+        )
 
 
 def arrivals_end(scenario: Scenario) -> Iterator[Problem]:
@@ -270,6 +287,7 @@ def _statistics_problems(
 CHECKS: tuple[Check, ...] = (
     interval_length,
     size,
+    plans_kept,
     arrivals_end,
     voltage_band,
     charger_limits,

@@ -53,6 +53,17 @@ def test_more_vehicles_than_a_machine_holds_are_refused():
     assert fault.endswith("should be at most 100,000 in all")
 
 
+def test_a_horizon_whose_plans_no_machine_holds_is_refused():
+    def faults(intervals: int, chargers: int) -> list[str]:
+        files = with_key(_of_intervals(intervals), "arrivals.vehicles_per_day", 1.0)
+        return faults_of(with_key(files, "station.chargers", chargers))
+
+    assert faults(600, 100_000) == []
+    assert faults(2976, 56) == []
+    (fault,) = faults(2976, 57)
+    assert "2976 intervals with 57 chargers; should be at most 2,961 intervals" in fault
+
+
 def test_a_feeder_too_large_for_its_horizon_is_refused():
     files = with_key(_of_intervals(10_000), "arrivals.vehicles_per_day", 1.0)
     nodes = "".join(f"x{n},,,,,,,\n" for n in range(500)).encode()
