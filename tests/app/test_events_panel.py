@@ -72,6 +72,13 @@ def test_chargers_that_failed_are_not_said_to_have_been_too_few_before() -> None
     assert figure.delta == "of 2 chargers"
 
 
+def test_what_has_happened_is_said_where_it_was_chosen_until_the_day_moves_on() -> None:
+    at = clicked(asked(panel(), "price_factor"), "event_apply")
+    assert "Has happened at 18:00: energy costs 1\\.2 times what was expected" in shown(at)
+    clicked(at, "step")
+    assert "Has happened" not in shown(at)
+
+
 def test_never_mind_changes_nothing() -> None:
     at = asked(panel(), "chargers_fail", count=10)
     before = session(at).run.trace

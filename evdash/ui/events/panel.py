@@ -46,6 +46,7 @@ def panel(session: Session) -> None:
     if box.open:
         with box:
             _chooser(session, view(session))
+            _happened(trace, view(session))
             _preview(session, view(session))
 
 
@@ -69,6 +70,14 @@ def _chooser(session: Session, ahead: Outlook) -> None:
         st.info(NOBODY[CHOICES[kind].fields[0]], icon=":material/info:")
     elif asked:
         _ask(trace, kind, said)
+
+
+def _happened(trace: Trace, ahead: Outlook) -> None:
+    """What has been let happen in this interval, so that it is not done twice."""
+    for happening in trace.happenings:
+        if happening.interval == trace.now:
+            told = f"{events_told(happening.events, ahead)}. {effect_told(happening)}"
+            st.markdown(f":material/check: Has happened at {clock(ahead.clock, ahead)}: {told}")
 
 
 def _ask(trace: Trace, kind: str, said: dict[str, object]) -> None:
