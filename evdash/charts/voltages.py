@@ -25,6 +25,7 @@ from evdash.charts.style import (
     value_axis,
 )
 from evdash.charts.voltage_map import (
+    VOLTAGE_TOLERANCE_PU,
     AcVoltages,
     deepest_drop_pu,
     drop_map,
@@ -152,24 +153,34 @@ def _lines(outlook: Outlook) -> list[Trace]:
 
 
 def _ac_minimum(outlook: Outlook, ac: AcVoltages) -> list[Trace]:
+    """The lowest node in AC, red where it is below its limit, like the marks of the map."""
     solved = {t: v for t, v in sorted(ac.items()) if np.isfinite(v).all()}
+    least = outlook.voltage_min_pu - VOLTAGE_TOLERANCE_PU
+    kept = {t: v for t, v in solved.items() if v.min() >= least}
+    below = {t: v for t, v in solved.items() if t not in kept}
+    shown = [_rings(outlook, "Lowest node, AC", kept, GREEN)]
+    if below:
+        red = _rings(outlook, "Lowest node, AC, below its limit", below, VERMILLION)
+        shown.append(red | {"showlegend": False})
+    return shown
+
+
+def _rings(outlook: Outlook, name: str, found: AcVoltages, color: str) -> Trace:
     middle = (outlook.times[1] - outlook.start) / 2
-    return [
-        {
-            "type": "scatter",
-            "mode": "markers",
-            "name": "Lowest node, AC",
-            "x": [stamp(outlook.times[t] + middle) for t in solved],
-            "y": [round(float(v.min()), 6) for v in solved.values()],
-            "hovertext": [
-                f"{spans(outlook)[t]}: AC {v.min():.4f} pu at node "
-                f"{safe(outlook.nodes[int(v.argmin())])}"
-                for t, v in solved.items()
-            ],
-            "hovertemplate": "%{hovertext}<extra></extra>",
-            "marker": {"symbol": "circle-open", "size": 8, "color": GREEN, "line": {"width": 2}},
-        }
-    ]
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": name,
+        "x": [stamp(outlook.times[t] + middle) for t in found],
+        "y": [round(float(v.min()), 6) for v in found.values()],
+        "hovertext": [
+            f"{spans(outlook)[t]}: AC {v.min():.4f} pu at node "
+            f"{safe(outlook.nodes[int(v.argmin())])}"
+            for t, v in found.items()
+        ],
+        "hovertemplate": "%{hovertext}<extra></extra>",
+        "marker": {"symbol": "circle-open", "size": 8, "color": color, "line": {"width": 2}},
+    }
 
 
 def _range(outlook: Outlook, ac: AcVoltages) -> list[float]:

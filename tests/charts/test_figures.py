@@ -14,6 +14,7 @@ from evdash.charts.admissions import admissions_alt, admissions_figure, admissio
 from evdash.charts.drawn import Drawn, in_the_look
 from evdash.charts.load import load_alt, load_table, normalised_figure, units_figure
 from evdash.charts.schedule import schedule_alt, schedule_figure, schedule_table
+from evdash.charts.style import GREEN, VERMILLION
 from evdash.charts.voltages import (
     base_figure,
     drop_figure,
@@ -171,6 +172,21 @@ def test_voltages_outside_limits_are_marked(traces: dict[str, Trace]) -> None:
     assert marks["y"] == [3]
     assert marks["x"] == ["2020-07-15T18:30"]
     assert voltages_table(ahead, {18: low})[18]["Lowest by AC, pu"] == 0.96
+
+
+def test_the_lowest_voltage_in_ac_is_red_where_the_linearised_one_is_not(
+    traces: dict[str, Trace],
+) -> None:
+    ahead = outlook(traces["end"])
+    assert ahead.voltage_pu.min() > ahead.voltage_min_pu
+    low = ahead.voltage_pu[18].copy()
+    low[3] = ahead.voltage_min_pu - 0.001
+    figure = voltages_figure(ahead, {17: ahead.voltage_pu[17], 18: low})
+    kept = named(figure, "Lowest node, AC")
+    below = named(figure, "Lowest node, AC, below its limit")
+    assert (len(kept["y"]), kept["marker"]["color"]) == (1, GREEN)
+    assert below["y"] == pytest.approx([low[3]], abs=1e-6)
+    assert below["marker"]["color"] == VERMILLION
 
 
 def test_an_interval_without_ac_solution_is_left_out(traces: dict[str, Trace]) -> None:
