@@ -24,6 +24,6 @@ PLAN = [
 shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
 page.go_on("pages/live.py")
 shown.run()
-page.freeze()
+page.settle_in()
 page.keep_address()
 widths.listen(current())

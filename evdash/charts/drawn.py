@@ -14,6 +14,7 @@ from typing import Any
 
 from plotly.basedatatypes import BaseFigure
 
+from evdash.charts.legend import roomy
 from evdash.charts.style import BLUE, CLEAR, FONT_PX, Figure, is_axis
 
 FONT = '"Source Sans", sans-serif'
@@ -34,7 +35,7 @@ class Drawn(BaseFigure):  # type: ignore[misc]
 
     def __init__(self, figure: Figure, width_px: float | None = None) -> None:
         """Made without plotly's own figure, which would copy and check everything."""
-        layout = {"datarevision": revision(figure), **in_the_look(figure["layout"])}
+        layout = {"datarevision": revision(figure), **in_the_look(roomy(figure, width_px))}
         if width_px:
             layout["width"] = width_px
         object.__setattr__(self, "_figure", {**figure, "layout": layout})

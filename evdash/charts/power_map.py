@@ -110,7 +110,7 @@ def _refused(outlook: Outlook, refused: list[tuple[int, Row]]) -> dict[str, Any]
 
 
 def _note(admitted: int, refused: int) -> dict[str, Any]:
-    text = f"{admitted} vehicles under contract, one line each. Pale: promised window; "
+    text = f"{admitted} under contract, a line each. Pale: promised window; "
     return {
         "x": 0,
         "xref": "paper",

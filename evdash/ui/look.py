@@ -43,7 +43,10 @@ STYLE = """
   [data-testid="stElementToolbar"], [data-testid="stTooltipIcon"] { display: none !important; }
   [data-testid="stApp"], [data-testid="stMain"], [data-testid="stAppViewContainer"] {
     position: static !important; overflow: visible !important; height: auto !important; }
-  [data-testid="stMainBlockContainer"] { padding: 0 !important; }
+  [data-testid="stMainBlockContainer"] { padding: 0 !important; zoom: .85; }
+  [data-testid="stLayoutWrapper"]:has(> [data-testid="stVerticalBlock"][overflow="auto"]),
+  [data-testid="stVerticalBlock"][overflow="auto"] {
+    height: auto !important; max-height: none !important; overflow: visible !important; }
   [data-testid="stPlotlyChart"], .st-key-decision, .st-key-figures,
   [data-testid="stHorizontalBlock"] { break-inside: avoid; }
   [data-testid="stHorizontalBlock"]:has(> [data-testid="stColumn"]) {

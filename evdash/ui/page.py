@@ -59,6 +59,13 @@ def go_on(shown: str) -> None:
 
 
 @lru_cache(maxsize=1)
-def freeze() -> None:
-    """Take what the first page imported out of the garbage collector's way, once."""
+def settle_in() -> None:
+    """What is to be done once, after the first page of a server is out.
+
+    Tables need pandas, and so does the power flow, which is imported in the background: plotly
+    takes a pandas that is only half imported for the whole. And what imports brought along is
+    taken out of the garbage collector's way.
+    """
+    import pandas  # noqa: F401, PLC0415
+
     gc.freeze()

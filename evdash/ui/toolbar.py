@@ -13,7 +13,7 @@ def toolbar(session: Session) -> None:
     """The clock; step, run, play, back, reset."""
     trace, ahead = session.run.trace, view(session)
     with st.container(key="toolbar", horizontal=True, vertical_alignment="center", gap="xsmall"):
-        with st.container(key="clock", width=130):
+        with st.container(key="clock", width=116):
             st.markdown(f"{ahead.clock:%H:%M}")
         step_button(session)
         _modes(session)
@@ -42,8 +42,9 @@ def toolbar(session: Session) -> None:
             help="Back to the start of the day, with the settings as they are now.",
         )
         hand_on(session)
+        date = f"{ahead.clock:%d %b} · " if ahead.crosses_midnight else ""
         st.caption(
-            f"{ahead.clock:%a %d %b} · {trace.now} of {counted(ahead.n_intervals, 'interval')}",
+            f"{date}{trace.now} of {counted(ahead.n_intervals, 'interval')}",
             text_alignment="right",
             help=f"{ahead.clock:%A, %d %B}: {trace.now} of "
             f"{counted(ahead.n_intervals, 'interval')} decided. {LINK_HELP}",

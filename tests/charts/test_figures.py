@@ -12,6 +12,7 @@ import pytest
 
 from evdash.charts.admissions import admissions_alt, admissions_figure, admissions_table
 from evdash.charts.drawn import Drawn, in_the_look
+from evdash.charts.legend import roomy
 from evdash.charts.load import load_alt, load_table, normalised_figure, units_figure
 from evdash.charts.schedule import schedule_alt, schedule_figure, schedule_table
 from evdash.charts.style import GREEN, VERMILLION
@@ -290,7 +291,7 @@ def test_the_three_voltages_add_up(trace: Trace) -> None:
 
 def test_what_is_handed_over_unchecked_is_what_plotly_itself_would_write(trace: Trace) -> None:
     for name, drawn in figures(trace).items():
-        layout = in_the_look(drawn["layout"])
+        layout = in_the_look(roomy(drawn, None))
         own = json.loads(pio.to_json(go.Figure({**drawn, "layout": layout})))
         given = json.loads(pio.to_json(Drawn(drawn).to_dict(), validate=False))
         assert isinstance(given["layout"].pop("datarevision"), int)
