@@ -5,6 +5,7 @@ import io
 import json
 import tomllib
 from collections.abc import Callable
+from datetime import date, datetime, timedelta
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -22,8 +23,10 @@ from evdash.errors import InputError
 from evdash.files.bundled import DEFAULT
 from evdash.files.draft import Draft, read_draft, scenario_of
 from evdash.files.folder import read_files
+from evdash.imports.clock import Reading
 from evdash.imports.feeder import feeder_of_net, with_network
 from evdash.imports.pandapower_json import read_net
+from evdash.imports.profile import ProfileRules, with_profile
 from evdash.imports.scenario_book import read_book, scenario_workbook
 from evdash.imports.session_columns import KNOWN, REQUIRED, proposed
 from evdash.imports.sessions import SessionRules, with_sessions
@@ -33,6 +36,7 @@ from evdash.studies.reading import base_scenario, lay_out, parse_study
 
 STUDIES = Path(__file__).parents[2] / "data" / "studies"
 TIMES = ("2024-05-06 08:20", "2024-05-06T23:59:59Z", "06/05/2024 8:20", "1715000000", "8.5")
+AGES = ("0001-01-01", "9999-12-31T23:59:59+00:00", "2024-10-27 02:30", "2024-03-31 02:30")
 NUMBERS = ("12.5", "0", "-3", "1e400", "nan", "1,5", "60", "0.1")
 Named = tuple[str, bytes]
 
@@ -151,6 +155,46 @@ def sessions(given: Named) -> Outcome:
     return tried(act)
 
 
+def spoilt_values(rng: np.random.Generator) -> tuple[Named, ProfileRules]:
+    """A table of prices and loads by time, right and wrong, and rules to read it by."""
+    begin = pick(rng, (datetime(2020, 7, 14, 22), datetime(2024, 3, 30), datetime(2024, 10, 26)))
+    minutes = pick(rng, (15, 60, 60, 180))
+    count = 60 * 60 // minutes if rng.random() < 0.9 else int(rng.integers(0, 9))
+    rows = [["time", "price_mwh", "load_kw"]]
+    for n in range(count):
+        when = f"{begin + timedelta(minutes=minutes * n):%Y-%m-%d %H:%M}"
+        rows.append([when, f"{n % 7}", "5"])
+    for _ in range(int(rng.integers(0, 3)) if rng.random() < 0.5 else 0):
+        row = pick(rng, rows)
+        row[int(rng.integers(0, 3))] = pick(rng, (*TIMES, *NUMBERS, *AGES, hostile_text(rng)))
+    text = io.StringIO()
+    csv.writer(text, delimiter=pick(rng, (",", ";", "\t"))).writerows(rows)
+
+    def mostly(usual: Any, *others: Any) -> Any:
+        return usual if rng.random() < 0.85 else pick(rng, others)
+
+    rules = ProfileRules(
+        columns={"time": "time", "price": "price_mwh", "load": mostly("load_kw", "", "x")},
+        units={"price": "$/MWh", "load": mostly("kW", "pu", "", "?")},
+        reading=Reading(mostly(None, "Europe/Berlin", "Asia/Tokyo", "Nowhere")),
+        first_day=mostly(begin.date() + timedelta(1), None, date(1, 1, 1), date(9999, 12, 31)),
+        days=mostly(None, 1, 2, 0, 366),
+        hold_minutes=mostly(None, 1e9, 1e-9, -1.0),
+        at_end=rng.random() < 0.1,
+    )
+    return ("table.csv", _perhaps_damaged(rng, text.getvalue().encode("utf-8", "replace"))), rules
+
+
+def values(given: tuple[Named, ProfileRules]) -> Outcome:
+    """A table of prices and loads, laid over the bundled day."""
+
+    def act() -> Scenario:
+        named, rules = given
+        return scenario_of(with_profile(_whole_day(), read_foreign(*named), rules)[0])
+
+    return tried(act)
+
+
 def spoilt_study(rng: np.random.Generator) -> bytes:
     """One of the bundled studies with keys exchanged, taken out or unknown."""
     raw: dict[str, Any] = tomllib.loads(pick(rng, sorted(STUDIES.glob("*.toml"))).read_text())
@@ -209,5 +253,6 @@ MAKERS: tuple[tuple[str, Callable[..., Any], Callable[[Any], Outcome]], ...] = (
     ("pandapower .json", spoilt_network, network),
     ("workbook", spoilt_workbook, workbook),
     ("session table", spoilt_sessions, sessions),
+    ("values by time", spoilt_values, values),
     ("study file", spoilt_study, study),
 )

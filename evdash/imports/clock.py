@@ -7,9 +7,10 @@ without either, times count as they stand.
 
 import re
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta, timezone, tzinfo
+from datetime import UTC, date, datetime, timedelta, timezone, tzinfo
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from evdash.domain.scenario import FIRST_YEAR, LAST_YEAR
 from evdash.errors import Fault, InputError
 
 PATTERNS = (
@@ -47,7 +48,7 @@ def read_time(text: str, reading: Reading) -> datetime | str:
     """A moment, naive or with its offset; else what is allowed instead."""
     tidy = re.sub(r" (?=[+-]\d\d:?\d\d$)", "", re.sub(r"\s+", " ", text.strip()))
     try:
-        return datetime.fromisoformat(tidy)  # the most frequent form, and quick
+        return _in_bounds(datetime.fromisoformat(tidy))  # the most frequent form, and quick
     except ValueError:
         pass
     slashed = "/" in tidy
@@ -65,8 +66,23 @@ def read_time(text: str, reading: Reading) -> datetime | str:
             moment = datetime.strptime(tidy, pattern)
         except ValueError:
             continue
-        return moment.replace(tzinfo=UTC) if pattern.endswith("GMT") else moment
+        return _in_bounds(moment.replace(tzinfo=UTC) if pattern.endswith("GMT") else moment)
     return ALLOWED
+
+
+def _in_bounds(moment: datetime) -> datetime | str:
+    """The moment, in a year a scenario may have."""
+    if FIRST_YEAR <= moment.year <= LAST_YEAR:
+        return moment
+    return f"should be in a year from {FIRST_YEAR} to {LAST_YEAR}"
+
+
+def first_day_faults(day: date | None) -> list[Fault]:
+    """What is wrong with a first day asked for."""
+    if day is None or FIRST_YEAR <= day.year <= LAST_YEAR:
+        return []
+    rule = f"should be in a year from {FIRST_YEAR} to {LAST_YEAR}"
+    return [Fault("first day", f"{day}", rule)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,9 @@ from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft, Row
 from evdash.files.wording import shown
 
+LONGEST = 6
+"""Digits of an interval's number; there are not so many intervals."""
+
 
 def start_of(settings: Mapping[str, Any]) -> datetime:
     """When a draft begins, local time; InputError where it does not say."""
@@ -31,6 +34,12 @@ def interval_minutes_of(settings: Mapping[str, Any]) -> int:
     return minutes
 
 
+def interval_of(row: Row) -> int | None:
+    """The interval a row of profile.csv is for; None where it names none."""
+    text = row["interval"].strip()
+    return int(text) if text.isascii() and text.isdigit() and len(text) <= LONGEST else None
+
+
 def with_days(draft: Draft, start: datetime, count: int) -> tuple[Draft, list[str]]:
     """The draft beginning at `start` with `count` intervals.
 
@@ -45,8 +54,8 @@ def with_days(draft: Draft, start: datetime, count: int) -> tuple[Draft, list[st
     known: dict[datetime, Row] = {}
     by_clock: dict[time, Row] = {}
     for row in draft.tables.get("profile.csv", ()):
-        if row["interval"].isdigit():
-            moment = began + timedelta(minutes=minutes * int(row["interval"]))
+        if (interval := interval_of(row)) is not None:
+            moment = began + timedelta(minutes=minutes * interval)
             known[moment] = row
             by_clock.setdefault(moment.time(), row)
     moments = [start + timedelta(minutes=minutes * t) for t in range(count)]

@@ -9,11 +9,11 @@ import numpy as np
 
 from evdash.domain.scenario import LOCAL_TIME_FORMAT, ProfileRow
 from evdash.errors import Fault, InputError
-from evdash.files.draft import Draft, Row
+from evdash.files.draft import Draft
 from evdash.files.wording import shown
-from evdash.imports.clock import Reading, changes_between, clock_at
+from evdash.imports.clock import Reading, changes_between, clock_at, first_day_faults
 from evdash.imports.columns import checked
-from evdash.imports.days import interval_minutes_of, start_of, with_days
+from evdash.imports.days import interval_minutes_of, interval_of, start_of, with_days
 from evdash.imports.profile_columns import FIELDS, REQUIRED, TARGETS, UNITS
 from evdash.imports.series import (
     MAX_FAULTS,
@@ -148,6 +148,7 @@ def _refuse_unstated(fields: list[str], rules: ProfileRules) -> None:
     hold = rules.hold_minutes
     if hold is not None and not (math.isfinite(hold) and hold > 0):
         faults.append(Fault("how long a value holds", f"{hold:g} min", "should be above 0 min"))
+    faults += first_day_faults(rules.first_day)
     if rules.days is not None and not 1 <= rules.days <= MOST_DAYS:
         faults.append(Fault("days", f"{rules.days}", f"should be 1 to {MOST_DAYS}"))
     if faults:
@@ -165,16 +166,12 @@ def _on_its_days(
         draft, told = with_days(draft, began, rules.days * 24 * 60 // minutes)
     count = draft.settings.get("intervals")
     rows = draft.tables.get("profile.csv", ())
-    if not isinstance(count, int) or sorted(_interval_of(row) for row in rows) != [*range(count)]:
+    known = {interval_of(row) for row in rows}
+    if not isinstance(count, int) or count != len(rows) or known != {*range(len(rows))}:
         rule = "should have one row for each interval of scenario.toml"
         raise InputError([Fault("profile.csv", f"{len(rows)} rows", rule)])
     moved, more = _moved(draft, start, began)
     return moved, _Span(start, minutes, count), told + more
-
-
-def _interval_of(row: Row) -> int:
-    text = row["interval"].strip()
-    return int(text) if text.isascii() and text.isdigit() else -1
 
 
 def _numbers(
@@ -283,12 +280,12 @@ def _clock_texts(moments: Moments, span: _Span) -> list[str]:
 
 
 def _with_rows(draft: Draft, known: Mapping[str, np.ndarray]) -> Draft:
-    rows = tuple(
-        row
-        | {TARGETS[name]: repr(float(values[_interval_of(row)])) for name, values in known.items()}
-        for row in draft.tables["profile.csv"]
-    )
-    return draft.with_table("profile.csv", rows)
+    rows = []
+    for row in draft.tables["profile.csv"]:
+        interval = interval_of(row)
+        filled = {TARGETS[name]: repr(float(values[interval])) for name, values in known.items()}
+        rows.append(row | filled)
+    return draft.with_table("profile.csv", tuple(rows))
 
 
 def _moved(draft: Draft, start: datetime, began: datetime) -> tuple[Draft, list[str]]:

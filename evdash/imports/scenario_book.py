@@ -251,8 +251,9 @@ def settings_rows(settings: Raw) -> list[list[object]]:
     rows: list[list[object]] = []
 
     def lay(prefix: str, value: object) -> None:
-        if prefix == "option" and isinstance(value, list):
-            for option in value:
+        options = value if prefix == "option" and isinstance(value, list) else []
+        if options and all(isinstance(option, dict) for option in options):
+            for option in options:
                 for key, inner in option.items():
                     if key != "name":
                         lay(f"option.{option.get('name')}.{key}", inner)

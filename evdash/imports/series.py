@@ -27,9 +27,9 @@ ENOUGH = 1e-6
 def in_order(table: ForeignTable, column: str, reading: Reading) -> tuple[ForeignTable, list[str]]:
     """The table from its earliest row on where it runs backwards in time, and that it did."""
     first, last = (time_in(row[column], reading) for row in (table.rows[0], table.rows[-1]))
-    if isinstance(first, str) or isinstance(last, str) or first.tzinfo != last.tzinfo:
+    if isinstance(first, str) or isinstance(last, str):
         return table, []
-    if first <= last:
+    if (first.tzinfo is None) != (last.tzinfo is None) or first <= last:
         return table, []
     turned = replace(table, rows=table.rows[::-1], places=table.places[::-1])
     return turned, ["Rows run backwards in time and were read from the last one on."]

@@ -8,7 +8,7 @@ from typing import Any
 
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft
-from evdash.imports.clock import Reading, changes_between
+from evdash.imports.clock import Reading, changes_between, first_day_faults
 from evdash.imports.columns import checked
 from evdash.imports.days import interval_minutes_of, with_days
 from evdash.imports.session_arrivals import arrival_rows
@@ -28,6 +28,8 @@ def with_sessions(
     """
     columns = checked(rules.columns, table.columns, FIELDS, REQUIRED)
     rules = replace(rules, reading=_in_zone(table, rules.reading))
+    if faults := first_day_faults(rules.first_day):
+        raise InputError(faults)
     read, told = SessionReader(table, columns, rules).sessions()
     first, days = _span(read, rules)
     settings, minutes = dict(draft.settings), interval_minutes_of(draft.settings)

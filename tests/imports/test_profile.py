@@ -263,6 +263,7 @@ def test_a_workbook_with_dates_of_excels_own_is_read() -> None:
         (hourly("2024-05-06").replace("0.03", "1e9", 1), "should be a number"),
         (hourly("2024-05-06").replace("2024-05-06 03:00:00", "soon"), "row 5, column time"),
         (hourly("2024-05-06").replace("2024-05-06 03:00:00", ""), "row 5, column time"),
+        (hourly("2024-05-06").replace("2024-05-06 00:00:00", "0001-01-01"), "year from 1900 to"),
         (hourly("2024-05-06").replace("03:00:00", "03:00Z", 1), "with and without an offset"),
         (hourly("2024-05-06").replace(":00:00", ":00Z"), "name the station's time zone"),
         ("time,price_per_kwh\n2024-05-06,0.1\n", "one row"),
@@ -274,6 +275,32 @@ def test_a_workbook_with_dates_of_excels_own_is_read() -> None:
 )
 def test_faults_name_row_column_and_what_is_allowed(table: str, words: str) -> None:
     assert words in faults(day("2024-05-06"), table)
+
+
+def test_tables_with_offsets_run_backwards_over_a_clock_change_too() -> None:
+    times = pd.date_range("2024-10-27", periods=26, freq="1h", tz="Europe/Berlin")
+    stamps = [time.isoformat() for time in times]
+    values = [0.01 * n for n in range(26)]
+    changed, _ = of(day("2024-10-27"), text_of(stamps[::-1], values[::-1]), zone="Europe/Berlin")
+    assert prices(changed) == values[:24]
+
+
+@pytest.mark.parametrize("interval", ["x", "²", "9" * 5000, "-1", "3"])
+def test_a_profile_whose_intervals_cannot_be_told_is_a_fault(interval: str) -> None:
+    draft = draft_of(day("2024-05-06"))
+    rows = draft.tables["profile.csv"]
+    draft = draft.with_table("profile.csv", (*rows[:-1], rows[-1] | {"interval": interval}))
+    table = read_foreign("mine.csv", hourly("2024-05-06").encode())
+    rules = ProfileRules(proposed(table.columns), {"price": "$/kWh"})
+    with pytest.raises(InputError, match="one row for each interval"):
+        with_profile(draft, table, rules)
+
+
+def test_a_first_day_beyond_the_calendar_is_refused() -> None:
+    for first in (date(1, 1, 1), date(9999, 12, 31)):
+        told = faults(day("2024-05-06"), hourly("2024-05-06"), first_day=first, days=2)
+        assert "first day: found" in told
+        assert "should be in a year from 1900 to 2999" in told
 
 
 def test_a_zone_nobody_knows_and_a_time_a_value_cannot_hold_are_refused() -> None:
