@@ -47,11 +47,13 @@ class LivePage:
         return self.settled()
 
     def step_to(self, hour: int) -> "LivePage":
-        """Step until the clock shows this hour."""
+        """Step until the clock shows this hour.
+
+        One at a time: Streamlit drops a click that comes while the page is still being drawn.
+        """
         for following in range(self.hour + 1, hour + 1):
-            self.page.locator(".st-key-step button").first.click()
-            self.shows(following)
-        return self.settled()
+            self.press("step").shows(following).settled()
+        return self
 
     def shows(self, hour: int) -> "LivePage":
         """Wait until the clock shows this hour."""
