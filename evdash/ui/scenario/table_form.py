@@ -1,7 +1,8 @@
 """A table of any columns on its way in: what it holds, what its columns mean, which days of it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import date
+from typing import TypeVar
 
 import streamlit as st
 
@@ -23,6 +24,7 @@ from evdash.ui.scenario.editor import Editor, Said
 from evdash.ui.scenario.waiting import WaitingTable
 from evdash.ui.words import counted, plain
 
+Rules = TypeVar("Rules", SessionRules, ProfileRules)
 NONE = ""
 SESSIONS, VALUES = "Recorded sessions", "Prices or loads by time"
 ORDERS = {"as they say": None, "day first": True, "month first": False}
@@ -70,11 +72,13 @@ def _form(editor: Editor, waiting: WaitingTable) -> None:
         _buttons(editor, "Take the values in", "confirm_profile", _confirm_profile, asked)
 
 
-def _buttons(editor: Editor, label: str, key: str, confirm: object, rules: object) -> None:
+def _buttons(
+    editor: Editor, label: str, key: str, confirm: Callable[[Editor, Rules], None], rules: Rules
+) -> None:
     with st.container(horizontal=True):
         st.button(
             label,
-            on_click=confirm,  # type: ignore[arg-type]
+            on_click=confirm,
             args=(editor, rules),
             key=key,
             type="primary",

@@ -1,5 +1,8 @@
 """Templates to download: small, complete, and valid as they are."""
 
+from collections.abc import Callable
+from functools import partial
+
 import streamlit as st
 
 from evdash.files.draft import zipped
@@ -19,19 +22,17 @@ def templates() -> None:
         _download("Everything as a .zip", "templates.zip", _everything, "application/zip")
         for name, told in TABLES.items():
             words = told.partition(",")[0]
-            _download(
-                f"{words[0].upper()}{words[1:]}", name, lambda name=name: template_table(name)
-            )
+            _download(f"{words[0].upper()}{words[1:]}", name, partial(template_table, name))
 
 
 def _everything() -> bytes:
     return zipped(template_files(), "templates")
 
 
-def _download(label: str, name: str, make: object, mime: str = "text/csv") -> None:
+def _download(label: str, name: str, make: Callable[[], bytes], mime: str = "text/csv") -> None:
     st.download_button(
         f"{label}: {name}",
-        make,  # type: ignore[arg-type]
+        make,
         name,
         mime,
         key=f"template:{name}",
