@@ -30,7 +30,7 @@ STYLE = """
 [data-testid="stMarkdownContainer"] :is(th, td) { padding: .22rem .45rem;
   white-space: nowrap; }
 .st-key-figures [data-testid="stMetricValue"] { font-variant-numeric: tabular-nums; }
-.st-key-fetch { display: none; }
+.st-key-fetch, [data-testid="stLayoutWrapper"]:has(> .st-key-fetch) { display: none; }
 /* Beside an open sidebar a small window has no room for two columns of charts. */
 @media screen and (max-width: 1100px) {
   [data-testid="stMain"] [data-testid="stColumn"] { min-width: 100%; }
