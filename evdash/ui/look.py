@@ -40,15 +40,17 @@ STYLE = """
 @media print {
   [data-testid="stSidebar"], [data-testid="stHeader"], .modebar-container,
   .st-key-toolbar button, .st-key-prompts, .st-key-why, [data-testid="stExpander"],
-  [data-testid="stElementToolbar"], [data-testid="stTooltipIcon"] { display: none !important; }
+  [data-testid="stElementToolbar"], [data-testid="stTooltipIcon"], [role="tooltip"],
+  [data-testid="stTooltipContent"] { display: none !important; }
   [data-testid="stApp"], [data-testid="stMain"], [data-testid="stAppViewContainer"] {
     position: static !important; overflow: visible !important; height: auto !important; }
   [data-testid="stMainBlockContainer"] { padding: 0 !important; zoom: .85; }
   [data-testid="stLayoutWrapper"]:has(> [data-testid="stVerticalBlock"][overflow="auto"]),
   [data-testid="stVerticalBlock"][overflow="auto"] {
-    height: auto !important; max-height: none !important; overflow: visible !important; }
-  [data-testid="stPlotlyChart"], .st-key-decision, .st-key-figures,
-  [data-testid="stHorizontalBlock"] { break-inside: avoid; }
+    height: auto !important; max-height: none !important; overflow: visible !important;
+    margin-bottom: 3rem; }
+  [data-testid="stPlotlyChart"], .st-key-figures, tr { break-inside: avoid; }
+  h4 { break-after: avoid; }
   [data-testid="stHorizontalBlock"]:has(> [data-testid="stColumn"]) {
     display: flex !important; flex-flow: row nowrap !important; }
   [data-testid="stHorizontalBlock"] > [data-testid="stColumn"] { min-width: 0 !important; }
