@@ -61,10 +61,11 @@ def opened(page: Page, address: str) -> LivePage:
 
 def step_through(live: LivePage, hours: range) -> None:
     for hour in hours:
-        live.page.locator(".st-key-step button").first.click()
+        live.press("step")  # and wait: Streamlit drops a click on a page that is being drawn
         expect(live.page.locator(".st-key-clock")).to_have_text(
             f"{hour:02d}:00", timeout=PATIENCE_MS
         )
+        live.settled()
 
 
 def test_from_question_to_picture(browser: Browser, own_server: str) -> None:
