@@ -3,6 +3,7 @@
 import argparse
 import asyncio
 import re
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from rich.console import Console
@@ -17,8 +18,10 @@ DROPPED = re.compile("double click|waited in vain")
 
 
 def test_nobody_sees_anothers_day_and_no_step_is_lost_or_repeated(tmp_path: Path) -> None:
-    with serving(tmp_path) as server:
-        crowd = asyncio.run(all_at_once(server, ROOM, Console(quiet=True)))
+    # in a thread of its own, as browser tests leave an event loop in the one they run in
+    with serving(tmp_path) as server, ThreadPoolExecutor(1) as thread:
+        everybody = all_at_once(server, ROOM, Console(quiet=True))
+        crowd = thread.submit(asyncio.run, everybody).result()
         for user in crowd.users:
             assert is_as_decided_alone(tmp_path, user.link, day_of(user.number))
     assert any(user.done for user in crowd.users)
