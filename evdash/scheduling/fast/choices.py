@@ -48,8 +48,8 @@ def knapsacks_of(relaxation: Relaxation, doubt: Indices) -> Knapsacks:
 class Prices:
     """What LPs already solved say of any choice x: cost ≥ offset + slope·x, $.
 
-    An LP's duals stay feasible whatever the bounds on u, so that they price every u
-    (`pricing.py`): the optimality cuts of Benders' method. Shapes: slope (LPs, requests), offset
+    An LP's duals stay feasible whatever the bounds on u, so that its reduced costs price every u:
+    the optimality cuts of Benders' method. Shapes: slope (LPs, requests), offset
     (LPs,).
     """
 

@@ -13,7 +13,6 @@ import numpy as np
 from evdash.domain.limits import Floats
 from evdash.scheduling.fast.branch import HAIR_USD, by_guessing
 from evdash.scheduling.fast.choices import Choices, Knapsacks, Prices, knapsacks_of, listed
-from evdash.scheduling.fast.pricing import added_cost
 from evdash.scheduling.fast.recourse import completed
 from evdash.scheduling.fast.search import CUT_ROUNDS, Search, is_whole
 from evdash.scheduling.highs import LpPoint
@@ -57,9 +56,8 @@ class Doubt:
 
     def learn(self, point: LpPoint) -> None:
         """Price all choices by an LP's duals."""
-        relaxation = self.search.relaxation
-        added = added_cost(relaxation, point)[self.requests]
-        self.prices.learn(point.values[relaxation.columns.u[self.requests]], point, added)
+        u = self.search.relaxation.columns.u[self.requests]
+        self.prices.learn(point.values[u], point, point.reduced_cost[u])
 
 
 def search_contracts(search: Search, root: LpPoint) -> None:
