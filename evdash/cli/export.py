@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
+from evdash.cli.options import add_settings
 from evdash.cli.progress import progress_bar, run_with_progress
 from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, InputError
@@ -208,11 +209,4 @@ def _add_conditions(command: argparse.ArgumentParser) -> None:
         help="model of the feeder whose limits are kept (default: lindistflow)",
     )
     scenario.add_argument("--seed", type=int, metavar="N", help="seed of the random arrivals")
-    scenario.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        dest="settings",
-        metavar="KEY=VALUE",
-        help="a key of scenario.toml, as for run; may be given again",
-    )
+    add_settings(scenario, "a key of scenario.toml, as for run; may be given again")

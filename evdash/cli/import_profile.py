@@ -3,7 +3,6 @@
 import argparse
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from evdash.cli.into import (
@@ -13,14 +12,13 @@ from evdash.cli.into import (
     mapped_text,
     number_pair,
     pair,
-    refuse_unconfirmed,
+    table_with_columns,
 )
 from evdash.files.draft import Draft
 from evdash.imports.clock import Reading
 from evdash.imports.profile import ProfileRules, with_profile
 from evdash.imports.profile_columns import UNITS, proposed, proposed_unit
-from evdash.imports.sources import Imported, read_bounded
-from evdash.imports.tables import read_foreign
+from evdash.imports.sources import Imported
 
 if TYPE_CHECKING:
     from evdash.cli.into import Commands
@@ -32,13 +30,9 @@ LOADS = (TIME, "load", "generation")
 
 def import_profile(fields: Sequence[str], draft: Draft, options: argparse.Namespace) -> Imported:
     """The draft with a table's values of `fields`, once their columns are confirmed."""
-    path = Path(options.file)
-    table = read_foreign(path.name, read_bounded(path), options.sheet)
-    given = dict(pair("--column", text) for text in options.columns)
-    known = {field: c for field, c in proposed(table.columns).items() if field in fields}
-    columns = known | given
-    if not options.accept and not (TIME in given and len(given) > 1):
-        refuse_unconfirmed(path.name, columns, table.columns, fields)
+    table, columns = table_with_columns(
+        options, proposed, fields, lambda given: TIME in given and len(given) > 1
+    )
     units = {f: proposed_unit(f, c) for f, c in columns.items() if f in UNITS and c}
     units |= dict(pair("--unit", text) for text in options.units)
     rules = ProfileRules(

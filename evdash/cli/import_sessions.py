@@ -2,7 +2,6 @@
 
 import argparse
 from datetime import date
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from evdash.cli.into import (
@@ -11,16 +10,14 @@ from evdash.cli.into import (
     into_folder,
     mapped_text,
     number_pair,
-    pair,
-    refuse_unconfirmed,
+    table_with_columns,
 )
 from evdash.files.draft import Draft
 from evdash.imports.clock import Reading
 from evdash.imports.session_columns import FIELDS, REQUIRED, proposed
 from evdash.imports.session_rows import HOURS, SessionRules
 from evdash.imports.sessions import with_sessions
-from evdash.imports.sources import Imported, read_bounded
-from evdash.imports.tables import read_foreign
+from evdash.imports.sources import Imported
 
 if TYPE_CHECKING:
     from evdash.cli.into import Commands
@@ -28,12 +25,7 @@ if TYPE_CHECKING:
 
 def import_sessions(draft: Draft, options: argparse.Namespace) -> Imported:
     """The draft with recorded sessions for arrivals, once their columns are confirmed."""
-    path = Path(options.file)
-    table = read_foreign(path.name, read_bounded(path), options.sheet)
-    given = dict(pair("--column", text) for text in options.columns)
-    columns = proposed(table.columns) | given
-    if not options.accept and not set(REQUIRED) <= set(given):
-        refuse_unconfirmed(path.name, columns, table.columns, list(FIELDS))
+    table, columns = table_with_columns(options, proposed, list(FIELDS), set(REQUIRED).issubset)
     rules = SessionRules(
         columns=columns,
         reading=Reading(options.zone, options.day_first),

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.markup import escape
 
+from evdash.cli.options import add_settings
 from evdash.errors import Fault, InputError
 from evdash.files.bundled import DEFAULT
 from evdash.files.draft import Draft
 from evdash.files.overrides import parse_settings
 from evdash.imports.folder import draft_in, with_overrides, write_draft
-from evdash.imports.sources import Imported
+from evdash.imports.sources import Imported, read_bounded
+from evdash.imports.tables import ForeignTable, read_foreign
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -57,10 +59,29 @@ def number_pair(option: str, text: str) -> tuple[str, float]:
         raise InputError([Fault(option, repr(text), "should be NAME=NUMBER")]) from None
 
 
-def refuse_unconfirmed(
+def table_with_columns(
+    options: argparse.Namespace,
+    proposed: Callable[[Sequence[str]], Mapping[str, str]],
+    fields: Sequence[str],
+    enough: Callable[[Mapping[str, str]], bool],
+) -> tuple[ForeignTable, dict[str, str]]:
+    """The table a command names, and the column of each field.
+
+    Raises InputError unless the proposal was accepted or the columns named are `enough`.
+    """
+    path = Path(options.file)
+    table = read_foreign(path.name, read_bounded(path), options.sheet)
+    given = dict(pair("--column", text) for text in options.columns)
+    known = {f: column for f, column in proposed(table.columns).items() if f in fields}
+    columns = known | given
+    if not options.accept and not enough(given):
+        _refuse_unconfirmed(path.name, columns, table.columns, fields)
+    return table, columns
+
+
+def _refuse_unconfirmed(
     place: str, columns: Mapping[str, str], known: Sequence[str], fields: Sequence[str]
 ) -> None:
-    """Tell which columns are proposed for which fields, and how to confirm them."""
     found = ", ".join(f"{field}={column}" for field, column in columns.items())
     rule = (
         "confirm with --accept, or name columns with --column FIELD=COLUMN; columns are "
@@ -95,14 +116,7 @@ def into_command(
         metavar="SCENARIO",
         help="scenario a new folder begins from (default: the bundled day)",
     )
-    command.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        dest="settings",
-        metavar="KEY=VALUE",
-        help="a key of scenario.toml to set along with it; may be given again",
-    )
+    add_settings(command, "a key of scenario.toml to set along with it; may be given again")
     return command
 
 

@@ -14,6 +14,7 @@ from evdash import __version__
 from evdash.cli.audit import audit
 from evdash.cli.export import add_export
 from evdash.cli.imports import add_import
+from evdash.cli.options import add_settings
 from evdash.cli.race import add_race
 from evdash.cli.run import run
 from evdash.cli.study import add_study
@@ -106,13 +107,9 @@ def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
         help="model of the feeder whose limits are kept: linearised DistFlow as in the paper, "
         "or full AC power flow (default: lindistflow)",
     )
-    command.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        dest="settings",
-        metavar="KEY=VALUE",
-        help="a key of scenario.toml, such as station.chargers=8 or "
+    add_settings(
+        command,
+        "a key of scenario.toml, such as station.chargers=8 or "
         "option.C1.price_per_kwh=0.4; may be given again, the later wins",
     )
     command.add_argument(

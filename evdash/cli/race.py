@@ -7,6 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from evdash.cli.options import add_settings
 from evdash.cli.progress import progress_bar
 from evdash.errors import Fault, InputError
 from evdash.files.bundled import DEFAULT
@@ -56,14 +57,7 @@ def add_race(
         default="lindistflow",
         help="model of the feeder whose limits are kept (default: lindistflow)",
     )
-    command.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        dest="settings",
-        metavar="KEY=VALUE",
-        help="a key of scenario.toml, as for run; may be given again",
-    )
+    add_settings(command, "a key of scenario.toml, as for run; may be given again")
     command.add_argument(
         "--out",
         type=Path,

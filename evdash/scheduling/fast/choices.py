@@ -48,18 +48,17 @@ def knapsacks_of(relaxation: Relaxation, doubt: Indices) -> Knapsacks:
 class Prices:
     """What LPs already solved say of any choice x: cost ≥ offset + slope·x, $.
 
-    An LP's duals stay feasible whatever the bounds on u, so that its reduced costs price every u:
-    the optimality cuts of Benders' method. Shapes: slope (LPs, requests), offset
-    (LPs,).
+    An LP's duals stay feasible whatever the bounds on u, so that its reduced costs price every
+    u: the optimality cuts of Benders' method. Shapes: slope (LPs, requests), offset (LPs,).
     """
 
     slope: Floats
     offset: Floats
 
-    def learn(self, x: Floats, point: LpPoint, added: Floats) -> None:
-        """Take in an LP's optimum: its x and what each adds to the bound, $, (requests,)."""
-        self.slope = np.vstack([self.slope, added])
-        self.offset = np.append(self.offset, point.objective - float(added @ x))
+    def learn(self, x: Floats, point: LpPoint, reduced_cost: Floats) -> None:
+        """Take in an LP's optimum: its x and their reduced costs, (requests,)."""
+        self.slope = np.vstack([self.slope, reduced_cost])
+        self.offset = np.append(self.offset, point.objective - float(reduced_cost @ x))
 
     def latest(self, x: Bools) -> Floats:
         """What the LP learned last says of choices x (choices, requests)."""

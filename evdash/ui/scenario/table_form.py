@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from datetime import date
+from functools import partial
 from typing import TypeVar
 
 import streamlit as st
 
 from evdash.errors import InputError
+from evdash.files.draft import Draft
 from evdash.imports import profile_columns, session_columns
 from evdash.imports.clock import Reading
 from evdash.imports.profile import (
@@ -25,9 +27,11 @@ from evdash.ui.scenario.waiting import WaitingTable
 from evdash.ui.words import counted, plain
 
 Rules = TypeVar("Rules", SessionRules, ProfileRules)
+Change = Callable[[Draft, ForeignTable], tuple[Draft, tuple[str, ...]]]
 NONE = ""
 SESSIONS, VALUES = "Recorded sessions", "Prices or loads by time"
 ORDERS = {"as they say": None, "day first": True, "month first": False}
+POWER_HELP = "pu: parts of the peak, as the scenario has them; kW and MW are divided by the peak."
 EARLIEST, LATEST = date(1900, 1, 1), date(2999, 12, 31)
 
 
@@ -52,7 +56,11 @@ def table_form(editor: Editor) -> None:
 def _form(editor: Editor, waiting: WaitingTable) -> None:
     if len(waiting.tables) > 1:
         waiting.sheet = st.selectbox(
-            "Sheet", list(waiting.tables), key=f"table:{waiting.number}:sheet", width=300
+            "Sheet",
+            list(waiting.tables),
+            key=f"table:{waiting.number}:sheet",
+            width=300,
+            help="One sheet is taken in at a time.",
         )
     table = waiting.table
     guess = VALUES if profile_columns.looks_like_profile(table.columns) else SESSIONS
@@ -63,6 +71,8 @@ def _form(editor: Editor, waiting: WaitingTable) -> None:
         default=guess,
         required=True,
         key=f"{waiting.key}:holds",
+        help="Sessions become the vehicles that arrive, a row each. Values become the energy "
+        "price, the load or the generation of every interval.",
     )
     if holds == SESSIONS:
         rules = _session_rules(waiting)
@@ -125,7 +135,12 @@ def _reading(waiting: WaitingTable) -> Reading:
             "an offset from UTC, or where clocks change. Blank: times count as they stand.",
         )
     with order:
-        chosen = st.selectbox("Dates like 3/4/2019", list(ORDERS), key=f"{waiting.key}:order")
+        chosen = st.selectbox(
+            "Dates like 3/4/2019",
+            list(ORDERS),
+            key=f"{waiting.key}:order",
+            help="Where the table leaves open which is the day, it is a fault until you say so.",
+        )
     return Reading(named.strip() or None, ORDERS[chosen])
 
 
@@ -139,7 +154,12 @@ def _session_rules(waiting: WaitingTable) -> SessionRules:
     with right:
         unit, first, days = st.columns([1, 2, 1])
     with unit:
-        duration = st.selectbox("Durations in", list(HOURS), key=f"{waiting.key}:unit")
+        duration = st.selectbox(
+            "Durations in",
+            list(HOURS),
+            key=f"{waiting.key}:unit",
+            help="Unit of a column that says how long a vehicle stays.",
+        )
     rules = SessionRules(columns=columns, reading=reading, duration_unit=duration)
     with first:
         day = _day_of(waiting, rules)
@@ -188,33 +208,7 @@ def _profile_rules(editor: Editor, waiting: WaitingTable) -> ProfileRules:
     table = waiting.table
     guess = profile_columns.proposed(table.columns)
     columns = _columns(waiting, profile_columns.FIELDS, profile_columns.REQUIRED, guess)
-    units: dict[str, str] = {}
-    peaks: dict[str, float] = {}
-    row = st.columns(5)
-    for place, field in enumerate(profile_columns.UNITS, 1):
-        if not columns[field]:
-            continue
-        choices = list(profile_columns.UNITS[field])
-        known = profile_columns.proposed_unit(field, columns[field])
-        with row[place]:
-            unit = st.selectbox(
-                f"Unit of {field}",
-                choices,
-                index=choices.index(known) if known else None,
-                placeholder="Choose",
-                key=f"{waiting.key}:{field}:unit:{columns[field]}",
-            )
-            if unit in ("kW", "MW"):
-                peak = st.number_input(
-                    f"Peak of {field}, kW",
-                    value=None,
-                    min_value=0.001,
-                    placeholder="the table's own",
-                    key=f"{waiting.key}:{field}:peak",
-                    help="What the values are divided by; blank: the table's largest.",
-                )
-                peaks |= {} if peak is None else {field: peak}
-        units |= {} if unit is None else {field: unit}
+    units, peaks = _units(waiting, columns)
     left, right = st.columns([2, 3])
     with left:
         reading = _reading(waiting)
@@ -252,33 +246,62 @@ def _profile_rules(editor: Editor, waiting: WaitingTable) -> ProfileRules:
     return ProfileRules(columns, units, reading, peaks, day, count, minutes, at_end)
 
 
+def _units(
+    waiting: WaitingTable, columns: Mapping[str, str]
+) -> tuple[dict[str, str], dict[str, float]]:
+    """The unit of each column of values, and the peak of those in kW or MW where one is stated."""
+    units: dict[str, str] = {}
+    peaks: dict[str, float] = {}
+    row = st.columns(5)
+    for place, field in enumerate(profile_columns.UNITS, 1):
+        if not columns[field]:
+            continue
+        choices = list(profile_columns.UNITS[field])
+        known = profile_columns.proposed_unit(field, columns[field])
+        with row[place]:
+            unit = st.selectbox(
+                f"Unit of {field}",
+                choices,
+                index=choices.index(known) if known else None,
+                placeholder="Choose",
+                key=f"{waiting.key}:{field}:unit:{columns[field]}",
+                help="Money of any currency counts as $." if field == "price" else POWER_HELP,
+            )
+            if unit in ("kW", "MW"):
+                peak = st.number_input(
+                    f"Peak of {field}, kW",
+                    value=None,
+                    min_value=0.001,
+                    placeholder="the table's own",
+                    key=f"{waiting.key}:{field}:peak",
+                    help="What the values are divided by; blank: the table's largest.",
+                )
+                peaks |= {} if peak is None else {field: peak}
+        units |= {} if unit is None else {field: unit}
+    return units, peaks
+
+
 def _confirm_sessions(editor: Editor, rules: SessionRules) -> None:
-    waiting = editor.waiting
-    if waiting is None:
-        return
-    try:
-        changed, told = with_sessions(editor.draft, waiting.table, rules)
-    except InputError as error:
-        title = "The sessions were not taken in; your work is as it was."
-        editor.said = Said(title, error.faults)
-        return
-    waiting.taken = True
-    editor.take(changed, Said(f"{plain(waiting.table.name)} replaced the vehicles.", notes=told))
+    _take_in(editor, "sessions", "the vehicles", partial(with_sessions, rules=rules))
 
 
 def _confirm_profile(editor: Editor, rules: ProfileRules) -> None:
+    used = ", ".join(profile_columns.TARGETS[field] for field in rules.units)
+    _take_in(editor, "values", used, partial(with_profile, rules=rules))
+
+
+def _take_in(editor: Editor, what: str, replaced: str, change: Change) -> None:
     waiting = editor.waiting
     if waiting is None:
         return
     try:
-        changed, told = with_profile(editor.draft, waiting.table, rules)
+        changed, told = change(editor.draft, waiting.table)
     except InputError as error:
-        title = "The values were not taken in; your work is as it was."
+        title = f"The {what} were not taken in; your work is as it was."
         editor.said = Said(title, error.faults)
         return
     waiting.taken = True
-    used = [profile_columns.TARGETS[field] for field in rules.units]
-    said = f"{plain(waiting.table.name)} replaced {plain(', '.join(used))}."
+    said = f"{plain(waiting.table.name)} replaced {plain(replaced)}."
     editor.take(changed, Said(said, notes=told))
 
 
