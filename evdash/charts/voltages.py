@@ -166,7 +166,7 @@ def _ac_minimum(outlook: Outlook, ac: AcVoltages) -> list[Trace]:
 
 
 def _rings(outlook: Outlook, name: str, found: AcVoltages, color: str) -> Trace:
-    middle = (outlook.times[1] - outlook.start) / 2
+    middle, told = (outlook.times[1] - outlook.start) / 2, spans(outlook)
     return {
         "type": "scatter",
         "mode": "markers",
@@ -174,8 +174,7 @@ def _rings(outlook: Outlook, name: str, found: AcVoltages, color: str) -> Trace:
         "x": [stamp(outlook.times[t] + middle) for t in found],
         "y": [round(float(v.min()), 6) for v in found.values()],
         "hovertext": [
-            f"{spans(outlook)[t]}: AC {v.min():.4f} pu at node "
-            f"{safe(outlook.nodes[int(v.argmin())])}"
+            f"{told[t]}: AC {v.min():.4f} pu at node {safe(outlook.nodes[int(v.argmin())])}"
             for t, v in found.items()
         ],
         "hovertemplate": "%{hovertext}<extra></extra>",

@@ -62,9 +62,8 @@ def go_on(shown: str) -> None:
 def settle_in() -> None:
     """What is to be done once, after the first page of a server is out.
 
-    Tables need pandas, and so does the power flow, which is imported in the background: plotly
-    takes a pandas that is only half imported for the whole. And what imports brought along is
-    taken out of the garbage collector's way.
+    Tables need pandas; imported in the middle of another page, plotly would take it for whole while
+    it is half imported. And what imports brought along is taken out of the garbage collector's way.
     """
     import pandas  # noqa: F401, PLC0415
 

@@ -1,45 +1,43 @@
 """AC power flow of what was executed, found in the background: it takes seconds to load.
 
-One worker for the whole server; what it found is kept, bounded, and shared by all sessions. Where
+One process for the whole server; what it found is kept, bounded, and shared by all sessions. Where
 it fails, that is a finding, too: a page that waited for it would wait for ever.
 """
 
-import gc
 import logging
 import queue
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
+from concurrent.futures import BrokenExecutor, Executor
 
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
-from evdash.grid.acflow import AcNetwork, AcResult
-from evdash.metrics.ac import AcPoint, ac_point, unchecked_point, without_station
+from evdash.metrics.ac import AcPoint, unchecked_point
+from evdash.metrics.ac_process import ac_process, point, prepare
 
 MOST_RESULTS = 5_000
-MOST_NETWORKS = 4
-MOST_BASES = 500
 MOST_DIGESTS = 64
 FIRST_PAGE_SECONDS = 1.0
 """Loading waits so long after the first page asked, so that its browser is served first."""
 IDLE_SECONDS = 0.5
 """Who has asked for nothing so long is at rest, and something can be done ahead."""
 ATTEMPTS = 2
-"""The second with a network built anew: what failed may have left the first in disorder."""
+"""The second in a process begun anew: the first may have been ended by the system."""
 
 log = logging.getLogger(__name__)
 
 
 class Referee:
-    """Finds the AC state of executed intervals, one after the other, in a thread of its own."""
+    """Finds the AC state of executed intervals, one after the other, in a process of its own."""
 
-    def __init__(self) -> None:
+    def __init__(self, begin: Callable[[], Executor] = ac_process) -> None:
+        self._begin = begin
+        self._pool: Executor | None = None
         self._found: OrderedDict[Hashable, AcPoint] = OrderedDict()
         self._asked: set[Hashable] = set()
         self._queue: queue.SimpleQueue[tuple[Hashable, Step]] = queue.SimpleQueue()
-        self._networks: OrderedDict[Hashable, AcNetwork] = OrderedDict()
-        self._bases: OrderedDict[Hashable, AcResult] = OrderedDict()
         self._latest: Step | None = None
         self._lock = threading.Lock()
         self._worker: threading.Thread | None = None
@@ -74,7 +72,6 @@ class Referee:
         time.sleep(FIRST_PAGE_SECONDS)
         self._prepare(first, 0)  # it takes seconds to import, and the first step need not wait
         self.is_ready = True
-        gc.freeze()  # what the power flow brought along lives as long as the server
         while True:
             try:
                 key, step = self._queue.get(timeout=IDLE_SECONDS)
@@ -91,47 +88,33 @@ class Referee:
             self._latest = step
 
     def _prepare(self, scenario: Scenario, interval: int) -> None:
-        """Solve, while nobody waits, what will be asked of an interval that is yet to come."""
-        if interval < scenario.intervals:
-            try:
-                self._base(scenario, interval)
-            except Exception:  # it is told where it is asked for
-                log.exception("AC power flow of interval %d failed", interval)
-                self._networks.pop(_feeder_key(scenario), None)
+        """Have solved, while nobody waits, what will be asked of an interval that is to come."""
+        try:
+            self._running().submit(prepare, scenario, interval).result()
+        except Exception as error:  # it is told where it is asked for
+            log.exception("the AC power flow could not be made ready")
+            self._failed(error)
 
     def _find(self, step: Step) -> AcPoint:
-        failure = ""
+        scenario, failure = step.inputs.scenario, ""
         for _ in range(ATTEMPTS):
             try:
-                return self._flow(step)
+                asked = self._running().submit(point, scenario, step.interval, step.station_kw)
+                return asked.result()
             except Exception as error:  # whatever it is, the worker goes on
-                log.exception("AC power flow of interval %d failed", step.interval)
+                log.exception("the process of the AC power flow failed")
+                self._failed(error)
                 failure = f"{type(error).__name__}: {error}"
-                self._networks.pop(_feeder_key(step.inputs.scenario), None)
-        return unchecked_point(step.inputs.scenario, failure)
+        return unchecked_point(scenario, failure)
 
-    def _flow(self, step: Step) -> AcPoint:
-        scenario = step.inputs.scenario
-        base = self._base(scenario, step.interval)
-        return ac_point(self._network(scenario), scenario, step.interval, step.station_kw, base)
+    def _running(self) -> Executor:
+        self._pool = self._pool or self._begin()
+        return self._pool
 
-    def _base(self, scenario: Scenario, interval: int) -> AcResult:
-        """The interval without the station."""
-        row = scenario.profile[interval]
-        key = digests.of(scenario), row.load_pu, row.generation_pu
-        if key not in self._bases:
-            self._bases[key] = without_station(self._network(scenario), scenario, interval)
-            while len(self._bases) > MOST_BASES:
-                self._bases.popitem(last=False)
-        return self._bases[key]
-
-    def _network(self, scenario: Scenario) -> AcNetwork:
-        key = _feeder_key(scenario)
-        if key not in self._networks:
-            self._networks[key] = AcNetwork(scenario)
-            while len(self._networks) > MOST_NETWORKS:
-                self._networks.popitem(last=False)
-        return self._networks[key]
+    def _failed(self, error: Exception) -> None:
+        """A process that is gone gives way to a new one."""
+        if isinstance(error, BrokenExecutor):
+            self._pool = None
 
 
 def _feeder_key(scenario: Scenario) -> Hashable:

@@ -1,7 +1,12 @@
 """The AC check in the background when it fails: told on every page, and nobody waits for ever."""
 
+import os
+import signal
+import subprocess
+import sys
 import time
 from collections import OrderedDict
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -12,16 +17,19 @@ from evdash.files.bundled import DEFAULT
 from evdash.files.scenario_folder import read_scenario
 from evdash.grid.acflow import AcNetwork
 from evdash.horizon.day import start_day, step
+from evdash.metrics import ac_kept, ac_process
 from evdash.metrics.ac import AcPoint, ac_point
+from evdash.metrics.ac_kept import ATTEMPTS, KeptFlows
 from evdash.metrics.key_figures import key_figures
 from evdash.metrics.outlook import outlook
 from evdash.scheduling.p1 import p1_policy
 from evdash.ui import referee as module
-from evdash.ui.referee import ATTEMPTS, Referee, referee
+from evdash.ui.referee import Referee, referee
 from evdash.ui.words import unchecked_lines
 from tests.app.test_compare_page import day_of
 
-APP = Path(__file__).parents[2] / "app.py"
+ROOT = Path(__file__).parents[2]
+APP = ROOT / "app.py"
 FAILED = "could not be checked: the AC power flow itself failed"
 SECONDS = 120.0
 
@@ -44,8 +52,14 @@ def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "FIRST_PAGE_SECONDS", 0.0)
 
 
+def in_thread() -> Executor:
+    """In this process, where a test can have the power flow fail."""
+    return ThreadPoolExecutor(1)
+
+
 def failing(monkeypatch: pytest.MonkeyPatch, times: float) -> None:
-    monkeypatch.setattr(module, "ac_point", Failing(times))
+    monkeypatch.setattr(ac_process, "flows", KeptFlows())
+    monkeypatch.setattr(ac_kept, "ac_point", Failing(times))
 
 
 def day(steps: int) -> Trace:
@@ -67,7 +81,7 @@ def test_a_failure_is_a_finding_and_the_next_interval_is_checked(
 ) -> None:
     failing(monkeypatch, ATTEMPTS)
     trace = day(2)
-    found = awaited(Referee(), trace)
+    found = awaited(Referee(in_thread), trace)
     assert (found[0].checked, found[0].solved) == (False, False)
     assert found[1].solved
     figures = key_figures(trace, outlook(trace), found)
@@ -89,10 +103,67 @@ def test_what_fails_once_is_tried_again_with_a_network_built_anew(
             super().__init__(scenario)
             built.append(self)
 
-    monkeypatch.setattr(module, "AcNetwork", Counted)
-    found = awaited(Referee(), day(1))
+    monkeypatch.setattr(ac_kept, "AcNetwork", Counted)
+    found = awaited(Referee(in_thread), day(1))
     assert found[0].solved
     assert len(built) == 2
+
+
+def test_a_process_that_was_killed_is_begun_anew() -> None:
+    trace = day(2)
+    pools: list[Executor] = []
+
+    def begun() -> Executor:
+        pools.append(ac_process.ac_process())
+        return pools[-1]
+
+    asked = Referee(begun)
+    assert awaited(asked, day(1))[0].solved
+    os.kill(pools[0].submit(os.getpid).result(), signal.SIGKILL)
+    assert awaited(asked, trace)[1].solved
+    assert len(pools) == 2
+
+
+def test_the_process_finds_what_this_one_does() -> None:
+    trace = day(2)
+    there = awaited(Referee(), trace)
+    here = awaited(Referee(in_thread), trace)
+    for t in (0, 1):
+        assert (there[t].voltage_pu == here[t].voltage_pu).all()
+
+
+SERVER = """
+import os, time
+from evdash.metrics.ac_process import ac_process
+if __name__ == "__main__":
+    print(ac_process().submit(os.getpid).result(), flush=True)
+    time.sleep(600)
+"""
+
+
+def test_the_process_ends_with_a_server_that_is_killed(tmp_path: Path) -> None:
+    script = tmp_path / "server.py"
+    script.write_text(SERVER, encoding="utf-8")
+    with subprocess.Popen(
+        [sys.executable, script],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    ) as server:
+        child = int(server.stdout.readline())
+        server.kill()
+    until = time.monotonic() + SECONDS
+    while alive(child) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not alive(child)
+
+
+def alive(pid: int) -> bool:
+    """Whether a process runs; one that ended and was not yet taken note of does not."""
+    try:
+        return "zombie" not in (Path("/proc") / str(pid) / "status").read_text()
+    except OSError:
+        return False
 
 
 def app(page: str) -> AppTest:
@@ -129,6 +200,7 @@ def test_every_page_tells_it_and_waits_no_longer(
 ) -> None:
     failing(monkeypatch, float("inf"))
     monkeypatch.setattr(referee, "_found", OrderedDict())
+    monkeypatch.setattr(referee, "_pool", in_thread())
     told = checked(app(page))
     assert ":red[:material/warning:" in told
     assert "could not be checked" in told
