@@ -11,6 +11,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from concurrent.futures import BrokenExecutor, Executor
+from typing import TypeVar
 
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
@@ -27,6 +28,7 @@ ATTEMPTS = 2
 """The second in a process begun anew: the first may have been ended by the system."""
 
 log = logging.getLogger(__name__)
+T = TypeVar("T")
 
 
 class Referee:
@@ -90,7 +92,7 @@ class Referee:
     def _prepare(self, scenario: Scenario, interval: int) -> None:
         """Have solved, while nobody waits, what will be asked of an interval that is to come."""
         try:
-            self._running().submit(prepare, scenario, interval).result()
+            self._answer(prepare, scenario, interval)
         except Exception as error:  # it is told where it is asked for
             log.exception("the AC power flow could not be made ready")
             self._failed(error)
@@ -99,17 +101,23 @@ class Referee:
         scenario, failure = step.inputs.scenario, ""
         for _ in range(ATTEMPTS):
             try:
-                asked = self._running().submit(point, scenario, step.interval, step.station_kw)
-                return asked.result()
+                return self._answer(point, scenario, step.interval, step.station_kw)
             except Exception as error:  # whatever it is, the worker goes on
                 log.exception("the process of the AC power flow failed")
                 self._failed(error)
                 failure = f"{type(error).__name__}: {error}"
         return unchecked_point(scenario, failure)
 
-    def _running(self) -> Executor:
+    def _answer(self, work: Callable[..., T], *arguments: object) -> T:
+        """What the process answers. Ends this thread where the server is about to end."""
         self._pool = self._pool or self._begin()
-        return self._pool
+        try:
+            asked = self._pool.submit(work, *arguments)
+        except BrokenExecutor:
+            raise
+        except RuntimeError:  # nothing can be asked of any pool any more
+            raise SystemExit from None
+        return asked.result()
 
     def _failed(self, error: Exception) -> None:
         """A process that is gone gives way to a new one."""

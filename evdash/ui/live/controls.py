@@ -105,7 +105,14 @@ def sidebar(session: Session, outlook: Outlook) -> None:
         if session.run.folder is None:
             # told apart from a preset of the same name: a browser answers with what it shows
             names = {OWN: f"{session.run.opened.name} (your own)"} | names
-        st.selectbox("Preset", list(names), format_func=names.__getitem__, key=PRESET)
+        st.selectbox(
+            "Preset",
+            list(names),
+            format_func=names.__getitem__,
+            key=PRESET,
+            help="A day that is ready to be stepped. Another one begins anew; Undo brings back "
+            "this one with all its hours.",
+        )
         _pair(arrival_controls(scenario))
         _number(charger_control(scenario))
         for name, price, rate in option_controls(scenario):

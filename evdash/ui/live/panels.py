@@ -49,7 +49,13 @@ def load(session: Session) -> None:
     ahead = view(session)
     with st.container(horizontal=True, vertical_alignment="center", key="load_head"):
         st.markdown("#### Load and price", help=LOAD_HELP, width="content")
-        in_units = st.toggle("in kW and \\$/kWh", key="in_units", persist_state="session")
+        in_units = st.toggle(
+            "in kW and \\$/kWh",
+            key="in_units",
+            persist_state="session",
+            help="Off: everything as a share, to compare shapes. On: power on the left axis, "
+            "price on the right one.",
+        )
     draw = units_figure if in_units else normalised_figure
     chart(session, "load", lambda: draw(ahead), load_alt(ahead), detail=in_units)
     table_below("load", lambda: load_table(ahead))

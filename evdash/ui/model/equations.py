@@ -126,7 +126,14 @@ def _node(step: Step) -> str:
         ]
         return f"{node} ({', '.join(notes)})" if notes else node
 
-    picked: str = st.selectbox("Node", nodes, format_func=told, key=key, persist_state="session")
+    picked: str = st.selectbox(
+        "Node",
+        nodes,
+        format_func=told,
+        key=key,
+        persist_state="session",
+        help="Whose power and voltage stand in the equations of the feeder.",
+    )
     return picked
 
 

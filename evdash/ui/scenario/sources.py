@@ -61,7 +61,15 @@ def sources(session: Session, editor: Editor) -> None:
     with left, st.container(horizontal=True, vertical_alignment="bottom"):
         names = {"": "The present run's"}
         names |= {name: bundled(folder).name for name, folder in bundled_names().items()}
-        st.selectbox("Begin from", list(names), format_func=names.__getitem__, key=FROM, width=260)
+        st.selectbox(
+            "Begin from",
+            list(names),
+            format_func=names.__getitem__,
+            key=FROM,
+            width=260,
+            help="Take it puts all of this scenario into the form below; Undo brings back what was "
+            "there. The run goes on as it is until a new day is begun.",
+        )
         st.button(
             "Take it",
             on_click=one_click(_take),

@@ -56,6 +56,7 @@ def ask(session: Session, shelf: Shelf) -> None:
         format_func=titles.__getitem__,
         key="question",
         persist_state="session",
+        help="What is varied, and what is told of it. All that follows can be changed.",
     )
     told = "Vary what you like." if name == OWN else QUESTIONS[name].told
     st.caption(f"{told} The day is the present run's: **{plain(scenario.name)}**.")
@@ -90,6 +91,8 @@ def _settings(name: str, scenario: Scenario) -> Study:
         list(study.networks),
         format_func=NETWORK_NAMES.__getitem__,
         key=f"study_networks_{name}",
+        help="Whose limits are kept: linearised DistFlow, as in the paper, or full AC power flow. "
+        "With both, every point is run under each.",
     )
     policies = st.multiselect(
         "Who decides",
@@ -97,6 +100,8 @@ def _settings(name: str, scenario: Scenario) -> Study:
         list(study.policies),
         format_func=lambda rule: RULES[rule].title,
         key=f"study_policies_{name}",
+        help="The rules by which vehicles are admitted and charged. With several, each decides "
+        "the very same days.",
     )
     empty = [
         Fault(place, "nothing", "should have at least one")
@@ -118,6 +123,7 @@ def _values(name: str, number: int, axis: Axis) -> Axis:
         f"{axis.title}: values, separated by commas",
         ", ".join(f"{value}" for value in axis.values),
         key=f"study_values_{name}_{number}_{axis.key}",
+        help=f"The days are run once for each of these values of `{axis.key}`.",
     )
     return axis.model_copy(update={"values": read_values(text)})
 

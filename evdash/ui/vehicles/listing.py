@@ -101,6 +101,7 @@ def _filters(session: Session) -> Choice:
             key="vehicles_options",
             placeholder="All",
             persist_state="session",
+            help="Only vehicles that chose one of these.",
         )
     return Choice(str(group), tuple(taken), text, order)
 
