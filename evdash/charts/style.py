@@ -82,7 +82,8 @@ def time_axis(outlook: Outlook, *, room: float = 0.0) -> dict[str, Any]:
         "tick0": stamp(outlook.start.replace(hour=0, minute=0)),
         "tickformat": "%H:%M\n%d %b" if outlook.crosses_midnight else "%H:%M",
         "hoverformat": "%H:%M, %d %b" if outlook.crosses_midnight else "%H:%M",
-        "title": {"text": "Clock time"},
+        # with dates below the times there is no room for a title, nor any need of one
+        "title": {"text": "" if outlook.crosses_midnight else "Clock time"},
         "showgrid": True,
         "zeroline": False,
     }

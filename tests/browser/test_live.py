@@ -94,7 +94,7 @@ def test_play_goes_on_by_itself_until_paused(live: LivePage) -> None:
 
 def test_another_preset_and_back_by_its_address(live: LivePage) -> None:
     live.step_to(1)
-    live.page.get_by_label("Preset").click()
+    live.page.get_by_label("Preset", exact=True).click()
     live.page.get_by_role("option", name="Voltage limited").click()
     expect(live.sentence).to_contain_text("node 652")
     live.settled().shows(0)
