@@ -60,6 +60,8 @@ def _chooser(session: Session, ahead: Outlook) -> None:
             format_func=lambda one: CHOICES[one].label,
             key="event_kind",
             width=330,
+            help="What happens at this hour. Nothing is changed before you have seen what it would "
+            "do and applied it.",
         )
         said = _said(trace, ahead, CHOICES[kind])
         asked = st.button(
@@ -104,7 +106,16 @@ def _said(trace: Trace, ahead: Outlook, choice: Choice) -> dict[str, object] | N
         return _element(trace)
     if about == "count":
         return _count(trace, choice)
-    change = st.number_input("Change, %", -100, 900, 20, 5, key="event_percent", width=120)
+    change = st.number_input(
+        "Change, %",
+        -100,
+        900,
+        20,
+        5,
+        key="event_percent",
+        width=120,
+        help="Of every value in the hours chosen: 20 makes it a fifth more, -100 nothing.",
+    )
     return {"percent": change} | _span(ahead)
 
 
@@ -116,7 +127,10 @@ def _count(trace: Trace, choice: Choice) -> dict[str, object] | None:
         label = f"How many of {most}"
     if not most:
         return None
-    return {"count": st.number_input(label, 1, most, 1, key="event_count", width=150)}
+    count = st.number_input(
+        label, 1, most, 1, key="event_count", width=150, help="Chargers from this hour on."
+    )
+    return {"count": count}
 
 
 def _of_a_vehicle(trace: Trace, ahead: Outlook, choice: Choice) -> dict[str, object] | None:
@@ -130,13 +144,22 @@ def _of_a_vehicle(trace: Trace, ahead: Outlook, choice: Choice) -> dict[str, obj
         format_func=lambda name: contract_told(there[name], ahead),
         key="event_vehicle",
         width=340,
+        help="Those under contract who do not yet have all they were promised.",
     )
     said: dict[str, object] = {"vehicle": vehicle}
     last = there[vehicle].request.deadline_interval
     later = list(range(ahead.now + 1, last + 1))
     if "kwh" in choice.fields:
         said["kwh"] = st.number_input(
-            "More energy, kWh", 0.5, 1000.0, 5.0, 0.5, key="event_kwh", width=150
+            "More energy, kWh",
+            0.5,
+            1000.0,
+            5.0,
+            0.5,
+            key="event_kwh",
+            width=150,
+            help="From the grid, beside what was promised; granted as far as every promise leaves "
+            "room.",
         )
     if "until" in choice.fields:
         said["until"] = _when(ahead, "Leaves at", [ahead.now, *later[:-1]], 0, f"leaves:{vehicle}")
@@ -152,7 +175,12 @@ def _element(trace: Trace) -> dict[str, object] | None:
     if not rated:
         return None
     element = st.selectbox(
-        "Which", list(rated), format_func=lambda one: rated[one][0], key="event_element", width=320
+        "Which",
+        list(rated),
+        format_func=lambda one: rated[one][0],
+        key="event_element",
+        width=320,
+        help="Lines, transformers and nodes that have a rating.",
     )
     kva = st.number_input(
         "New rating, kVA",
@@ -163,6 +191,7 @@ def _element(trace: Trace) -> dict[str, object] | None:
         format="%g",
         key=f"event_kva:{element}",
         width=150,
+        help="The apparent power it may carry from this hour on.",
     )
     return {"element": element, "kva": kva}
 
@@ -176,6 +205,7 @@ def _when(ahead: Outlook, label: str, intervals: list[int], index: int, key: str
         format_func=lambda t: clock(ahead.times[t], ahead),
         key=f"event_{key}:{ahead.now}",
         width=120,
+        help="At the beginning of an interval.",
     )
     return chosen
 

@@ -173,13 +173,20 @@ def _wishes(session: Session) -> Wishes:
             disabled=not names,
         )
         ambient_c = right.number_input(
-            "Temperature around it, °C", -50.0, 70.0, Thermal().ambient_c, 1.0, key="handon_ambient"
+            "Temperature around it, °C",
+            -50.0,
+            70.0,
+            Thermal().ambient_c,
+            1.0,
+            key="handon_ambient",
+            help="The same all day, for the transformer's ageing.",
         )
         zone = left.selectbox(
             "Time zone of the day, for OCPP",
             sorted(available_timezones()),
             index=sorted(available_timezones()).index(DEFAULT_ZONE),
             key="handon_zone",
+            help="The scenario's hours count in it; a charging profile carries them in UTC.",
         )
         interval = right.selectbox(
             "pandapower network loaded as at",
@@ -187,6 +194,7 @@ def _wishes(session: Session) -> Wishes:
             index=busiest,
             format_func=words.__getitem__,
             key="handon_interval",
+            help="Loads, generation and the station as in this interval; it has the others, too.",
         )
     return Wishes(Thermal(ambient_c=ambient_c), transformer or "", zone, interval)
 

@@ -40,7 +40,13 @@ def in_numbers(session: Session) -> None:
 
 def glossary(session: Session) -> None:
     """Every word of the field that the app uses."""
-    typed = st.text_input("Look for", key="glossary_search", placeholder="headroom", width=320)
+    typed = st.text_input(
+        "Look for",
+        key="glossary_search",
+        placeholder="headroom",
+        width=320,
+        help="Words and their meanings that contain this are shown.",
+    )
     wanted = (typed or "").strip().lower()
     found = {
         term: told

@@ -123,7 +123,7 @@ def _values(name: str, number: int, axis: Axis) -> Axis:
         f"{axis.title}: values, separated by commas",
         ", ".join(f"{value}" for value in axis.values),
         key=f"study_values_{name}_{number}_{axis.key}",
-        help=f"The days are run once for each of these values of `{axis.key}`.",
+        help=f"The days are run once for each of these values of {plain(axis.title)}.",
     )
     return axis.model_copy(update={"values": read_values(text)})
 

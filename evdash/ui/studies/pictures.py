@@ -56,6 +56,7 @@ def pictures(found: Found, number: str) -> None:
             key=f"study_metric_{number}",
             persist_state="session",
             width=320,
+            help="What is drawn of every point; the table below has all of them.",
         )
         varied = dimensions(found)
         paired = bool(varied) and st.toggle(
@@ -92,6 +93,7 @@ def _chosen(rows: list[Band], varied: list[Dimension]) -> list[Band]:
             one.labels,
             format_func=lambda value: f"{value}",
             key=f"study_at_{one.place}",
+            help="A picture has two dimensions: of this one, this value is shown.",
         )
         rows = [band for band in rows if band.group[one.place] == label]
     return rows

@@ -28,6 +28,7 @@ def chosen(shelf: Shelf) -> StudyFolder | None:
             list(folders),
             format_func=lambda name: _title(shelf, folders[name]),
             key=CHOSEN,
+            help="Those begun in this tab or reached by its address, the latest first.",
         )
     return folders[st.session_state[CHOSEN]]
 
