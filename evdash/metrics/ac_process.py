@@ -1,47 +1,115 @@
 """The AC check in a process of its own: a power flow would hold up every page of the server.
 
-It also spares the server pandapower's memory. `ac_process` gives a pool of one process; what it
-is asked are `point` and `prepare`. It ends with the server, however that ends.
+`python -m evdash.metrics.ac_process` answers each line it is given by a line, both JSON, until
+nobody is there to give one any more. It also spares the server pandapower's memory.
 """
 
-import multiprocessing
-import os
+import json
 import signal
-import threading
-from concurrent.futures import Executor, ProcessPoolExecutor
-from multiprocessing.connection import wait
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import IO, Any
 
+import numpy as np
+
+from evdash.domain.breach import Breach
 from evdash.domain.scenario import Scenario
+from evdash.errors import EvdashError
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.ac_kept import KeptFlows
 
-flows = KeptFlows()
-"""Of this process."""
+ROOT = Path(__file__).parents[2]
 
 
-def ac_process() -> Executor:
-    """A pool of one new process; it begins with the first thing asked."""
-    spawned = multiprocessing.get_context("spawn")  # forking a server with threads may hang
-    return ProcessPoolExecutor(1, mp_context=spawned, initializer=_begin)
+class ProcessEnded(EvdashError):
+    """The process of the AC power flow ended without an answer."""
 
 
-def point(scenario: Scenario, interval: int, station_kw: float) -> AcPoint:
-    """An interval's AC state, found in the process this is called in."""
-    return flows.point(scenario, interval, station_kw)
+class AcProcess:
+    """`KeptFlows` in a process that begins with the first question, for one thread at a time.
+
+    It ends with the server, however that ends. Raises ProcessEnded where it ended by itself; the
+    next question begins a new one.
+    """
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def pid(self) -> int | None:
+        """The id of the process, if one was begun."""
+        return None if self._process is None else self._process.pid
+
+    def point(self, scenario: Scenario, interval: int, station_kw: float) -> AcPoint:
+        """As `KeptFlows.point`."""
+        return _point_of(self._answer(_question(scenario, interval, station_kw)))
+
+    def prepare(self, scenario: Scenario, interval: int) -> None:
+        """As `KeptFlows.prepare`."""
+        self._answer(_question(scenario, interval, None))
+
+    def _answer(self, question: Mapping[str, object]) -> dict[str, Any]:
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "evdash.metrics.ac_process"],
+                cwd=ROOT,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+            )
+        asked, answers = self._process.stdin, self._process.stdout
+        line = b""
+        if asked is not None and answers is not None:
+            try:
+                asked.write(f"{json.dumps(question)}\n".encode())
+                asked.flush()
+                line = answers.readline()
+            except OSError:
+                pass  # it ended before it was asked; no answer says so, too
+        if not line:
+            ended, self._process = self._process, None
+            ended.kill()
+            raise ProcessEnded(f"the process of the AC power flow ended ({ended.wait()})")
+        answer: dict[str, Any] = json.loads(line)
+        return answer
 
 
-def prepare(scenario: Scenario, interval: int) -> None:
-    """Solve ahead what an interval will be asked for, in the process this is called in."""
-    flows.prepare(scenario, interval)
+def _question(scenario: Scenario, interval: int, station_kw: float | None) -> dict[str, object]:
+    """`station_kw`: None where the interval is only to be made ready."""
+    told = scenario.model_dump_json()
+    return {"scenario": told, "interval": interval, "station_kw": station_kw}
 
 
-def _begin() -> None:
+def _told(point: AcPoint) -> dict[str, object]:
+    breaches = [asdict(breach) for breach in point.breaches]
+    voltage_pu = point.voltage_pu.tolist()
+    return {"voltage_pu": voltage_pu, "breaches": breaches, "failure": point.failure}
+
+
+def _point_of(told: Mapping[str, Any]) -> AcPoint:
+    breaches = tuple(Breach(**breach) for breach in told["breaches"])
+    return AcPoint(np.array(told["voltage_pu"], dtype=float), breaches, told["failure"])
+
+
+def answer_all(questions: IO[bytes], answers: IO[bytes]) -> None:
+    """Answer question after question until there are no more."""
+    flows = KeptFlows()
+    for line in questions:
+        question = json.loads(line)
+        scenario = Scenario.model_validate_json(question["scenario"])
+        interval, station_kw = question["interval"], question["station_kw"]
+        answer: dict[str, object] = {}
+        if station_kw is None:
+            flows.prepare(scenario, interval)
+        else:
+            answer = _told(flows.point(scenario, interval, station_kw))
+        answers.write(f"{json.dumps(answer)}\n".encode())
+        answers.flush()
+
+
+if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is the server's affair
-    threading.Thread(target=_end_with_server, name="server", daemon=True).start()
-
-
-def _end_with_server() -> None:
-    server = multiprocessing.parent_process()
-    if server is not None:
-        wait([server.sentinel])
-        os._exit(0)
+    lines, sys.stdout = sys.stdout.buffer, sys.stderr  # what libraries print is no answer
+    answer_all(sys.stdin.buffer, lines)

@@ -9,14 +9,13 @@ import queue
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
-from concurrent.futures import BrokenExecutor, Executor
-from typing import TypeVar
+from collections.abc import Hashable
+from typing import Protocol
 
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
 from evdash.metrics.ac import AcPoint, unchecked_point
-from evdash.metrics.ac_process import ac_process, point, prepare
+from evdash.metrics.ac_process import AcProcess
 
 MOST_RESULTS = 5_000
 MOST_DIGESTS = 64
@@ -28,15 +27,25 @@ ATTEMPTS = 2
 """The second in a process begun anew: the first may have been ended by the system."""
 
 log = logging.getLogger(__name__)
-T = TypeVar("T")
+
+
+class Flows(Protocol):
+    """Who solves: `KeptFlows` here, or `AcProcess` elsewhere."""
+
+    def point(self, scenario: Scenario, interval: int, station_kw: float) -> AcPoint:
+        """An interval's AC state."""
+        ...
+
+    def prepare(self, scenario: Scenario, interval: int) -> None:
+        """Solve ahead what an interval will be asked for."""
+        ...
 
 
 class Referee:
     """Finds the AC state of executed intervals, one after the other, in a process of its own."""
 
-    def __init__(self, begin: Callable[[], Executor] = ac_process) -> None:
-        self._begin = begin
-        self._pool: Executor | None = None
+    def __init__(self, flows: Flows) -> None:
+        self.flows = flows
         self._found: OrderedDict[Hashable, AcPoint] = OrderedDict()
         self._asked: set[Hashable] = set()
         self._queue: queue.SimpleQueue[tuple[Hashable, Step]] = queue.SimpleQueue()
@@ -92,37 +101,19 @@ class Referee:
     def _prepare(self, scenario: Scenario, interval: int) -> None:
         """Have solved, while nobody waits, what will be asked of an interval that is to come."""
         try:
-            self._answer(prepare, scenario, interval)
-        except Exception as error:  # it is told where it is asked for
+            self.flows.prepare(scenario, interval)
+        except Exception:  # it is told where it is asked for
             log.exception("the AC power flow could not be made ready")
-            self._failed(error)
 
     def _find(self, step: Step) -> AcPoint:
         scenario, failure = step.inputs.scenario, ""
         for _ in range(ATTEMPTS):
             try:
-                return self._answer(point, scenario, step.interval, step.station_kw)
+                return self.flows.point(scenario, step.interval, step.station_kw)
             except Exception as error:  # whatever it is, the worker goes on
-                log.exception("the process of the AC power flow failed")
-                self._failed(error)
+                log.exception("the AC power flow of interval %d failed", step.interval)
                 failure = f"{type(error).__name__}: {error}"
         return unchecked_point(scenario, failure)
-
-    def _answer(self, work: Callable[..., T], *arguments: object) -> T:
-        """What the process answers. Ends this thread where the server is about to end."""
-        self._pool = self._pool or self._begin()
-        try:
-            asked = self._pool.submit(work, *arguments)
-        except BrokenExecutor:
-            raise
-        except RuntimeError:  # nothing can be asked of any pool any more
-            raise SystemExit from None
-        return asked.result()
-
-    def _failed(self, error: Exception) -> None:
-        """A process that is gone gives way to a new one."""
-        if isinstance(error, BrokenExecutor):
-            self._pool = None
 
 
 def _feeder_key(scenario: Scenario) -> Hashable:
@@ -158,5 +149,5 @@ def _key(step: Step) -> Hashable:
     return feeder, scenario.station.node, row.load_pu, row.generation_pu, station_kw, step.interval
 
 
-referee = Referee()
+referee = Referee(AcProcess())
 """The referee of this server."""

@@ -6,20 +6,21 @@ import subprocess
 import sys
 import time
 from collections import OrderedDict
-from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 from streamlit.testing.v1 import AppTest
 
 from evdash.domain.trace import Trace
-from evdash.files.bundled import DEFAULT
+from evdash.files.bundled import DEFAULT, PRESETS
+from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 from evdash.grid.acflow import AcNetwork
 from evdash.horizon.day import start_day, step
-from evdash.metrics import ac_kept, ac_process
+from evdash.metrics import ac_kept
 from evdash.metrics.ac import AcPoint, ac_point
 from evdash.metrics.ac_kept import ATTEMPTS, KeptFlows
+from evdash.metrics.ac_process import AcProcess
 from evdash.metrics.key_figures import key_figures
 from evdash.metrics.outlook import outlook
 from evdash.scheduling.p1 import p1_policy
@@ -52,13 +53,7 @@ def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "FIRST_PAGE_SECONDS", 0.0)
 
 
-def in_thread() -> Executor:
-    """In this process, where a test can have the power flow fail."""
-    return ThreadPoolExecutor(1)
-
-
 def failing(monkeypatch: pytest.MonkeyPatch, times: float) -> None:
-    monkeypatch.setattr(ac_process, "flows", KeptFlows())
     monkeypatch.setattr(ac_kept, "ac_point", Failing(times))
 
 
@@ -81,7 +76,7 @@ def test_a_failure_is_a_finding_and_the_next_interval_is_checked(
 ) -> None:
     failing(monkeypatch, ATTEMPTS)
     trace = day(2)
-    found = awaited(Referee(in_thread), trace)
+    found = awaited(Referee(KeptFlows()), trace)
     assert (found[0].checked, found[0].solved) == (False, False)
     assert found[1].solved
     figures = key_figures(trace, outlook(trace), found)
@@ -104,40 +99,49 @@ def test_what_fails_once_is_tried_again_with_a_network_built_anew(
             built.append(self)
 
     monkeypatch.setattr(ac_kept, "AcNetwork", Counted)
-    found = awaited(Referee(in_thread), day(1))
+    found = awaited(Referee(KeptFlows()), day(1))
     assert found[0].solved
     assert len(built) == 2
 
 
 def test_a_process_that_was_killed_is_begun_anew() -> None:
-    trace = day(2)
-    pools: list[Executor] = []
-
-    def begun() -> Executor:
-        pools.append(ac_process.ac_process())
-        return pools[-1]
-
-    asked = Referee(begun)
+    flows = AcProcess()
+    asked = Referee(flows)
     assert awaited(asked, day(1))[0].solved
-    os.kill(pools[0].submit(os.getpid).result(), signal.SIGKILL)
-    assert awaited(asked, trace)[1].solved
-    assert len(pools) == 2
+    first = flows.pid
+    assert first is not None
+    os.kill(first, signal.SIGKILL)
+    assert awaited(asked, day(2))[1].solved
+    assert flows.pid != first
 
 
 def test_the_process_finds_what_this_one_does() -> None:
-    trace = day(2)
-    there = awaited(Referee(), trace)
-    here = awaited(Referee(in_thread), trace)
-    for t in (0, 1):
-        assert (there[t].voltage_pu == here[t].voltage_pu).all()
+    trace = start_day(read_scenario(PRESETS / "voltage-limited"))
+    while not trace.is_over:
+        trace = step(trace, p1_policy())
+    there, here = awaited(Referee(AcProcess()), trace), awaited(Referee(KeptFlows()), trace)
+    assert any(point.breaches for point in here.values())
+    for interval, point in here.items():
+        assert (there[interval].voltage_pu == point.voltage_pu).all()
+        assert there[interval].breaches == point.breaches
+
+
+def test_no_solution_comes_through_as_such() -> None:
+    scenario = edit_scenario(read_scenario(DEFAULT), {"feeder.load_scale": 100.0})
+    point = AcProcess().point(scenario, 12, 50.0)
+    assert point.checked
+    assert not point.solved
 
 
 SERVER = """
-import os, time
-from evdash.metrics.ac_process import ac_process
-if __name__ == "__main__":
-    print(ac_process().submit(os.getpid).result(), flush=True)
-    time.sleep(600)
+import time
+from evdash.files.bundled import DEFAULT, PRESETS
+from evdash.files.scenario_folder import read_scenario
+from evdash.metrics.ac_process import AcProcess
+flows = AcProcess()
+flows.prepare(read_scenario(DEFAULT), 0)
+print(flows.pid, flush=True)
+time.sleep(600)
 """
 
 
@@ -200,7 +204,7 @@ def test_every_page_tells_it_and_waits_no_longer(
 ) -> None:
     failing(monkeypatch, float("inf"))
     monkeypatch.setattr(referee, "_found", OrderedDict())
-    monkeypatch.setattr(referee, "_pool", in_thread())
+    monkeypatch.setattr(referee, "flows", KeptFlows())
     told = checked(app(page))
     assert ":red[:material/warning:" in told
     assert "could not be checked" in told
