@@ -19,7 +19,7 @@ from evdash.explain.worth import day_worths
 from evdash.files.bundled import bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day
-from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.p1 import p1_answers, p1_policy
 
 COLUMNS = ("day", "run, s", "refused", "solves", "median, ms", "worst, ms", "day, s", "worths, s")
 
@@ -36,7 +36,7 @@ def counting(policy: Policy, solves: Counter[str]) -> Policy:
 
 def seconds_per_vehicle(trace: Trace, solves: Counter[str]) -> list[float]:
     """Processor time of each explanation, s."""
-    told = explanations(trace, counting(p1_policy(), solves))
+    told = explanations(trace, counting(p1_answers(), solves))
     moments = [time.process_time()] + [time.process_time() for _ in told]
     return [after - before for before, after in pairwise(moments)]
 

@@ -1,6 +1,9 @@
 """Runs many random days and reports every promise or limit broken; there should be none.
 
-python -m benchmarks.reliability [--days 1000] [--first-seed 1] [--workers 2]
+python -m benchmarks.reliability [--days 1000] [--first-seed 1] [--workers 2] [--file FILE]
+
+Days are appended to FILE as they are done, and those already in it are not run again: ten thousand
+take an hour and more, and can be stopped.
 
 Exit status 0 if not one interval was infeasible and not one contract broken, else 3.
 """
@@ -13,8 +16,10 @@ from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from pydantic import TypeAdapter
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -99,20 +104,38 @@ def _kind(reason: str) -> str:
     return next((kind for kind in KINDS_OF_REFUSAL if kind in reason), "no room")
 
 
-def run_all(seeds: range, workers: int) -> list[Result]:
+def run_all(seeds: range, workers: int, file: Path | None = None) -> list[Result]:
     """Every seed's day, on `workers` processes, in the order of seeds."""
+    known = {result.seed: result for result in kept(file)}
+    finished = [known[seed] for seed in seeds if seed in known]
     with ProcessPoolExecutor(workers) as pool:
-        running = [pool.submit(run_one, seed) for seed in seeds]
-        finished = [
-            future.result()
-            for future in track(
-                as_completed(running),
-                "random days",
-                total=len(seeds),
-                console=Console(stderr=True),
-            )
-        ]
+        running = [pool.submit(run_one, seed) for seed in seeds if seed not in known]
+        for future in track(
+            as_completed(running),
+            "random days",
+            total=len(running),
+            console=Console(stderr=True),
+        ):
+            finished.append(future.result())
+            keep(file, finished[-1])
     return sorted(finished, key=lambda result: result.seed)
+
+
+FORM = TypeAdapter(Result)
+
+
+def kept(file: Path | None) -> list[Result]:
+    """The days of an earlier run; none where there is no file."""
+    if file is None or not file.exists():
+        return []
+    return [FORM.validate_json(line) for line in file.read_bytes().splitlines()]
+
+
+def keep(file: Path | None, result: Result) -> None:
+    """Append a day to the file, if there is one."""
+    if file is not None:
+        with file.open("ab") as lines:
+            lines.write(FORM.dump_json(result) + b"\n")
 
 
 def rows_of(results: list[Result], wall_seconds: float) -> list[tuple[str, str]]:
@@ -154,10 +177,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--days", type=int, default=1000, help="how many days (1000)")
     parser.add_argument("--first-seed", type=int, default=1, help="seed of the first day (1)")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument("--file", type=Path, help="where days are kept, and taken from")
     chosen = parser.parse_args(arguments)
     began = time.perf_counter()
     seeds = range(chosen.first_seed, chosen.first_seed + chosen.days)
-    results = run_all(seeds, chosen.workers)
+    results = run_all(seeds, chosen.workers, chosen.file)
     table = Table("", "", title="Random days", show_header=False)
     for label, value in rows_of(results, time.perf_counter() - began):
         table.add_row(label, value)

@@ -1,13 +1,14 @@
 """The long run's own judge: it passes sound days and tells each way in which one is not."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks import reliability
 from benchmarks.random_days import random_scenario
-from benchmarks.reliability import Result, rows_of, run_one
+from benchmarks.reliability import Result, kept, rows_of, run_all, run_one
 from benchmarks.soundness import problems_of_day
 from evdash.domain.trace import Step, Trace
 from evdash.horizon.day import run_day, start_day
@@ -112,6 +113,14 @@ def test_a_short_run_is_sound_and_reported():
 @pytest.mark.parametrize(("problems", "status"), [((), 0), (("it broke",), 3)])
 def test_the_exit_status_says_whether_anything_broke(monkeypatch, capsys, problems, status):
     result: Result = replace(run_one(2), problems=problems)
-    monkeypatch.setattr(reliability, "run_all", lambda seeds, workers: [result])
+    monkeypatch.setattr(reliability, "run_all", lambda *asked: [result])
     assert reliability.main(["--days", "1"]) == status
     assert ("seed 2: it broke" in capsys.readouterr().out) is bool(problems)
+
+
+def test_days_are_kept_and_not_run_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    file = tmp_path / "days"
+    days = run_all(range(1, 3), 1, file)
+    monkeypatch.setattr(reliability, "run_one", lambda seed: pytest.fail(f"{seed} again"))
+    assert run_all(range(1, 3), 1, file) == days
+    assert [result.seed for result in kept(file)] == [1, 2]
