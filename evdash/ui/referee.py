@@ -19,7 +19,7 @@ from evdash.metrics.ac_process import AcProcess
 
 MOST_RESULTS = 5_000
 MOST_DIGESTS = 64
-FIRST_PAGE_SECONDS = 1.0
+FIRST_PAGE_SECONDS = 4.0
 """Loading waits so long after the first page asked, so that its browser is served first."""
 IDLE_SECONDS = 0.5
 """Who has asked for nothing so long is at rest, and something can be done ahead."""
