@@ -1,7 +1,8 @@
 """Lets things happen on random days and holds every shortfall against the least possible.
 
-python -m benchmarks.events [--days 1000] [--first-seed 1] [--workers 2]
+python -m benchmarks.events [--days 1000] [--first-seed 1] [--workers 2] [--file FILE]
 
+Days are appended to FILE as they are done, and those already in it are not run again.
 Exit status 0 if every shortfall is the least an independent MILP finds, nobody new was admitted
 while a promise was short, and every promise and limit else was kept; else 3.
 """
@@ -12,14 +13,15 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
+from pydantic import TypeAdapter
 from rich.console import Console
-from rich.progress import track
 from rich.table import Table
 
+from benchmarks.kept_days import run_kept
 from benchmarks.random_days import random_scenario
 from benchmarks.random_events import random_events
 from benchmarks.recourse_by_milp import BOTH, OTHER, Least, claims_of, least_of, most_more
@@ -49,6 +51,9 @@ class Result:
     short_kwh: float = 0.0
     largest_difference_kwh: float = 0.0
     seconds: list[float] = field(default_factory=list)
+
+
+FORM = TypeAdapter(Result)
 
 
 def run_one(seed: int) -> Result:
@@ -246,14 +251,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--days", type=int, default=1000, help="how many days (1000)")
     parser.add_argument("--first-seed", type=int, default=1, help="seed of the first day (1)")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument("--file", type=Path, help="where days are kept, and taken from")
     chosen = parser.parse_args(arguments)
     began = time.perf_counter()
     seeds = range(chosen.first_seed, chosen.first_seed + chosen.days)
-    with ProcessPoolExecutor(chosen.workers) as pool:
-        running = [pool.submit(run_one, seed) for seed in seeds]
-        told = Console(stderr=True)
-        finished = track(as_completed(running), "random events", total=len(seeds), console=told)
-        results = sorted((future.result() for future in finished), key=lambda one: one.seed)
+    results = run_kept(run_one, seeds, chosen.workers, FORM, told="random events", file=chosen.file)
     table = Table("", "", title="Random days with random events", show_header=False)
     for label, value in rows_of(results, time.perf_counter() - began):
         table.add_row(label, value)

@@ -14,16 +14,15 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from pydantic import TypeAdapter
 from rich.console import Console
-from rich.progress import track
 from rich.table import Table
 
+from benchmarks.kept_days import run_kept
 from benchmarks.random_days import random_scenario
 from benchmarks.soundness import contracts_made, executed_power, problems_of_day
 from evdash.domain.trace import Trace
@@ -104,38 +103,7 @@ def _kind(reason: str) -> str:
     return next((kind for kind in KINDS_OF_REFUSAL if kind in reason), "no room")
 
 
-def run_all(seeds: range, workers: int, file: Path | None = None) -> list[Result]:
-    """Every seed's day, on `workers` processes, in the order of seeds."""
-    known = {result.seed: result for result in kept(file)}
-    finished = [known[seed] for seed in seeds if seed in known]
-    with ProcessPoolExecutor(workers) as pool:
-        running = [pool.submit(run_one, seed) for seed in seeds if seed not in known]
-        for future in track(
-            as_completed(running),
-            "random days",
-            total=len(running),
-            console=Console(stderr=True),
-        ):
-            finished.append(future.result())
-            keep(file, finished[-1])
-    return sorted(finished, key=lambda result: result.seed)
-
-
 FORM = TypeAdapter(Result)
-
-
-def kept(file: Path | None) -> list[Result]:
-    """The days of an earlier run; none where there is no file."""
-    if file is None or not file.exists():
-        return []
-    return [FORM.validate_json(line) for line in file.read_bytes().splitlines()]
-
-
-def keep(file: Path | None, result: Result) -> None:
-    """Append a day to the file, if there is one."""
-    if file is not None:
-        with file.open("ab") as lines:
-            lines.write(FORM.dump_json(result) + b"\n")
 
 
 def rows_of(results: list[Result], wall_seconds: float) -> list[tuple[str, str]]:
@@ -181,7 +149,7 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     began = time.perf_counter()
     seeds = range(chosen.first_seed, chosen.first_seed + chosen.days)
-    results = run_all(seeds, chosen.workers, chosen.file)
+    results = run_kept(run_one, seeds, chosen.workers, FORM, told="random days", file=chosen.file)
     table = Table("", "", title="Random days", show_header=False)
     for label, value in rows_of(results, time.perf_counter() - began):
         table.add_row(label, value)

@@ -1,5 +1,6 @@
 """The long run's own judge: it passes sound days and tells each way in which one is not."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,8 +8,9 @@ import numpy as np
 import pytest
 
 from benchmarks import reliability
+from benchmarks.kept_days import kept, run_kept
 from benchmarks.random_days import random_scenario
-from benchmarks.reliability import Result, kept, rows_of, run_all, run_one
+from benchmarks.reliability import FORM, Result, rows_of, run_one
 from benchmarks.soundness import problems_of_day
 from evdash.domain.trace import Step, Trace
 from evdash.horizon.day import run_day, start_day
@@ -113,14 +115,23 @@ def test_a_short_run_is_sound_and_reported():
 @pytest.mark.parametrize(("problems", "status"), [((), 0), (("it broke",), 3)])
 def test_the_exit_status_says_whether_anything_broke(monkeypatch, capsys, problems, status):
     result: Result = replace(run_one(2), problems=problems)
-    monkeypatch.setattr(reliability, "run_all", lambda *asked: [result])
+    monkeypatch.setattr(reliability, "run_kept", lambda *asked, **how: [result])
     assert reliability.main(["--days", "1"]) == status
     assert ("seed 2: it broke" in capsys.readouterr().out) is bool(problems)
 
 
+def once(seed: int) -> Result:
+    """A day that cannot be run twice."""
+    mark = Path(os.environ["EVDASH_TEST_DAYS"]) / f"{seed}"
+    mark.touch(exist_ok=False)
+    return run_one(seed)
+
+
 def test_days_are_kept_and_not_run_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("EVDASH_TEST_DAYS", str(tmp_path))
     file = tmp_path / "days"
-    days = run_all(range(1, 3), 1, file)
-    monkeypatch.setattr(reliability, "run_one", lambda seed: pytest.fail(f"{seed} again"))
-    assert run_all(range(1, 3), 1, file) == days
-    assert [result.seed for result in kept(file)] == [1, 2]
+    first = run_kept(once, range(2, 3), 1, FORM, told="days", file=file)
+    both = run_kept(once, range(1, 3), 1, FORM, told="days", file=file)
+    assert [result.seed for result in both] == [1, 2]
+    assert both[1:] == first
+    assert [result.seed for result in kept(file, FORM)] == [2, 1]
