@@ -15,7 +15,7 @@ from evdash.studies.shelf import MOST_STUDIES, Shelf
 from evdash.studies.stand import Stand, read_stand, write_stand
 from tests.studies.small import STUDY, finished, write_study
 
-PATIENCE_SECONDS = 240.0
+PATIENCE_SECONDS = 900.0
 
 
 def until(told: Callable[[], object]) -> None:
