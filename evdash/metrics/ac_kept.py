@@ -37,7 +37,7 @@ class KeptFlows:
             except Exception as error:  # whatever it is, the next is asked for all the same
                 log.exception("AC power flow of interval %d failed", interval)
                 failure = f"{type(error).__name__}: {error}"
-                self._networks.pop(_feeder_key(scenario), None)
+                self._networks.pop(feeder_key(scenario), None)
         return unchecked_point(scenario, failure)
 
     def prepare(self, scenario: Scenario, interval: int) -> None:
@@ -47,12 +47,12 @@ class KeptFlows:
                 self._base(scenario, interval)
             except Exception:  # it is told where it is asked for
                 log.exception("AC power flow of interval %d failed", interval)
-                self._networks.pop(_feeder_key(scenario), None)
+                self._networks.pop(feeder_key(scenario), None)
 
     def _base(self, scenario: Scenario, interval: int) -> AcResult:
         """The interval without the station."""
         row = scenario.profile[interval]
-        key = _feeder_key(scenario), row.load_pu, row.generation_pu
+        key = feeder_key(scenario), row.load_pu, row.generation_pu
         base = _kept(
             self._bases,
             key,
@@ -63,7 +63,7 @@ class KeptFlows:
         return base
 
     def _network(self, scenario: Scenario) -> AcNetwork:
-        key = _feeder_key(scenario)
+        key = feeder_key(scenario)
         network = _kept(self._networks, key, lambda: AcNetwork(scenario))
         while len(self._networks) > 1 and (
             len(self._networks) > MOST_NETWORKS
@@ -81,5 +81,6 @@ def _kept(known: OrderedDict[Hashable, T], key: Hashable, make: Callable[[], T])
     return known[key]
 
 
-def _feeder_key(scenario: Scenario) -> Hashable:
+def feeder_key(scenario: Scenario) -> Hashable:
+    """All that a network is built from."""
     return scenario.feeder, scenario.nodes, scenario.lines

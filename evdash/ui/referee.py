@@ -15,6 +15,7 @@ from typing import Protocol
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
 from evdash.metrics.ac import AcPoint, unchecked_point
+from evdash.metrics.ac_kept import feeder_key
 from evdash.metrics.ac_process import AcProcess
 
 MOST_RESULTS = 5_000
@@ -116,10 +117,6 @@ class Referee:
         return unchecked_point(scenario, failure)
 
 
-def _feeder_key(scenario: Scenario) -> Hashable:
-    return scenario.feeder, scenario.nodes, scenario.lines
-
-
 class Digests:
     """Digests of the latest scenarios' feeders: every node is hashed once, not at each step."""
 
@@ -130,7 +127,7 @@ class Digests:
         """A digest of all that an AC power flow is built from."""
         known = self._known.get(id(scenario))
         if known is None:
-            known = (scenario, hash(_feeder_key(scenario)))
+            known = (scenario, hash(feeder_key(scenario)))
             self._known[id(scenario)] = known  # holds the scenario, so that its id stays its own
             while len(self._known) > MOST_DIGESTS:
                 self._known.popitem(last=False)
