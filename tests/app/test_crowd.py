@@ -13,9 +13,8 @@ from benchmarks.crowd.server import serving
 from benchmarks.many_users import all_at_once
 
 ROOM = argparse.Namespace(users=4, minutes=0.6, think=0.5, stay=0, seed=1, heavy=False)
-# What Streamlit itself is known to do on a starved machine to a click that another follows within
-# 0.12 s: docs/reliability.md. That a step once begun is kept, whoever leaves: test_sessions.py.
-DROPPED = re.compile("double click|leave in mid-step|coming|waited in vain")
+# What Streamlit itself is known to do to quick clicks on a starved machine: docs/reliability.md.
+DROPPED = re.compile("double click|waited in vain")
 
 
 def test_nobody_sees_anothers_day_and_no_step_is_lost_or_repeated(tmp_path: Path) -> None:
