@@ -8,7 +8,7 @@ from evdash.cli.report import print_explanations, print_report
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.explain.binding import binding_elements
-from evdash.explain.refusals import Explanation, explanations
+from evdash.explain.refusals import Asked, Explanation, refused
 from evdash.explain.revisions import explain_revision
 from evdash.explain.worth import day_worths
 from evdash.files.bundled import DEFAULT
@@ -20,6 +20,7 @@ from evdash.files.scenario_folder import read_scenario
 from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.totals import totals
 from evdash.policies.registry import RULES
+from evdash.studies.crew import cores, in_order
 
 EXPLAINED = "p1"
 """The policy whose refusals can be explained: by solving its problem again."""
@@ -75,8 +76,12 @@ def _explained(trace: Trace) -> DayExplained:
 def _refusals(trace: Trace) -> tuple[Explanation, ...]:
     with progress_bar() as progress:
         task = progress.add_task("explaining", total=totals(trace).refused)
-        explained = []
-        for explanation in explanations(trace):
-            explained.append(explanation)
-            progress.advance(task)
+        explained: list[Explanation] = []
+        for some in in_order(list(refused(trace)), _of_some, cores()):
+            explained.extend(some)
+            progress.advance(task, len(some))
     return tuple(explained)
+
+
+def _of_some(asked: Asked) -> tuple[Explanation, ...]:
+    return tuple(asked.explained())

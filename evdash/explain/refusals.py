@@ -4,8 +4,8 @@ Nothing here is called by a step. A day is explained vehicle by vehicle by a gen
 can be left at any vehicle; one picked vehicle by `explain_vehicle`.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 from evdash.domain.plan import Policy
 from evdash.domain.trace import Inputs, State, Step, Trace
@@ -20,6 +20,10 @@ from evdash.explain.terms import other_terms
 from evdash.explain.trials import Plans, Trials
 from evdash.horizon.advance import PROMISES_SHORT, snapshot_of
 from evdash.scheduling.p1 import p1_answers
+
+TOGETHER = 9
+"""So many of those a step refused share what is solved: more would solve less, by fewer at a time.
+Always the same, so that no answer depends on how many processes there are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,14 +68,41 @@ def explain_vehicle(trace: Trace, vehicle: str, policy: Policy | None = None) ->
     raise ValueError(f"{vehicle} was not refused")
 
 
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """Some of those refused at one step, who share what is solved for all alike."""
+
+    inputs: Inputs
+    state: State
+    vehicles: tuple[str, ...]
+    known: Plans = field(default_factory=dict)
+
+    def explained(self, policy: Policy | None = None) -> Iterator[Explanation]:
+        """One after the other, each worked out when asked for."""
+        plans = dict(self.known)
+        for vehicle in self.vehicles:
+            yield _explained(trials_of(self.inputs, self.state, vehicle, policy, plans))
+
+
+def refused(trace: Trace) -> Iterator[Asked]:
+    """Everyone refused so far, in order of arrival, in groups that several processes can share."""
+    for step in trace.steps:
+        vehicles = [refusal.vehicle for refusal in step.plan.refused]
+        for group in _groups(vehicles):
+            yield Asked(step.inputs, step.before, group, _known(step))
+    for group in _groups([request.vehicle for request in too_late(trace)]):
+        yield Asked(trace.inputs, trace.state, group)
+
+
+def _groups(vehicles: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    for first in range(0, len(vehicles), TOGETHER):
+        yield tuple(vehicles[first : first + TOGETHER])
+
+
 def explanations(trace: Trace, policy: Policy | None = None) -> Iterator[Explanation]:
     """Everyone refused so far, in order of arrival; each is worked out when asked for."""
-    for step in trace.steps:
-        plans = _known(step)
-        for refusal in step.plan.refused:
-            yield _explained(trials_of(step.inputs, step.before, refusal.vehicle, policy, plans))
-    for request in too_late(trace):
-        yield explain_vehicle(trace, request.vehicle, policy)
+    for asked in refused(trace):
+        yield from asked.explained(policy)
 
 
 def too_late(trace: Trace) -> tuple[Request, ...]:

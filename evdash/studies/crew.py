@@ -2,10 +2,10 @@
 
 import os
 import threading
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky import process_executor
@@ -19,6 +19,8 @@ DIED = "the process doing this run died"
 AHEAD = 2
 """Runs given out beyond those being done, per worker."""
 Work = Callable[[Task], Result]
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +53,17 @@ def results(tasks: Iterable[Task], crew: Crew, do: Work = work) -> Generator[Res
         yield from _on_cores(tasks, crew.size, do)
 
 
+def in_order(items: Sequence[Item], do: Callable[[Item], Answer], workers: int) -> Iterator[Answer]:
+    """What `do` makes of every item, in their order, by as many processes of this machine."""
+    if min(workers, len(items)) < 2:
+        yield from map(do, items)
+        return
+    try:
+        yield from _shared(items, do, workers, "generator")
+    except TerminatedWorkerError as error:
+        raise EvdashError(f"{DIED}: {_on_one_line(error)}") from error
+
+
 def _on_cores(tasks: Iterable[Task], workers: int, do: Work) -> Iterator[Result]:
     """As `results`; where a process dies, the runs then given out are done one by one."""
     coming = iter(tasks)
@@ -75,17 +88,23 @@ def _on_cores(tasks: Iterable[Task], workers: int, do: Work) -> Iterator[Result]
 
 
 def _parallel(tasks: Iterable[Task], workers: int, do: Work) -> Iterator[Result]:
+    return _shared(tasks, do, workers, "generator_unordered")
+
+
+def _shared(
+    items: Iterable[Item], do: Callable[[Item], Answer], workers: int, order: str
+) -> Iterator[Answer]:
     crew = Parallel(
         n_jobs=workers,
         backend="loky",
-        return_as="generator_unordered",
+        return_as=order,
         batch_size=1,
         pre_dispatch=(1 + AHEAD) * workers,
         inner_max_num_threads=1,
         initializer=leave_interrupts,
     )
     with _hushed():
-        yield from crew(delayed(do)(task) for task in tasks)
+        yield from crew(delayed(do)(item) for item in items)
 
 
 @contextmanager
@@ -109,8 +128,11 @@ def _alone(task: Task, do: Work) -> Result:
     try:
         return next(_parallel([task], 2, do))
     except TerminatedWorkerError as error:
-        exits = " ".join(f"{error}".split())
-        return Result(task.key, "failed", f"{DIED}: {exits}"[:300], {}, 0.0)
+        return Result(task.key, "failed", f"{DIED}: {_on_one_line(error)}"[:300], {}, 0.0)
+
+
+def _on_one_line(error: Exception) -> str:
+    return " ".join(f"{error}".split())
 
 
 def _on_cluster(tasks: Iterable[Task], scheduler: str, do: Work) -> Iterator[Result]:
