@@ -6,7 +6,10 @@ first stage says whom of today's requests to admit, the second, one linear progr
 future, what the rest of that day then brings.
 """
 
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -27,6 +30,7 @@ HAIR_KW = 1e-6
 NODES = 1000
 SECONDS = 5.0
 """Only a safety: rounds and nodes decide."""
+Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +108,15 @@ class SampledDay:
         return np.asarray(self.day.relaxation.power_kw(point.values)[: self.n_present, 0])
 
 
+def asked_of_all(days: Sequence[SampledDay], ask: Callable[[SampledDay], Answer]) -> list[Answer]:
+    """What every future answers, in their order.
+
+    Each is a program of its own, and HiGHS leaves Python to the others while it solves one.
+    """
+    with ThreadPoolExecutor() as threads:
+        return list(threads.map(ask, days))
+
+
 def best_admissions(
     days: list[SampledDay], n_requests: int, rounds: int = ROUNDS
 ) -> Expectation | None:
@@ -113,7 +126,7 @@ def best_admissions(
     the cuts that gives say which set to try next, until none can be a cent better or `rounds`
     are over.
     """
-    free = [point for point in (day.best() for day in days) if point is not None]
+    free = [point for point in asked_of_all(days, SampledDay.best) if point is not None]
     if len(free) < len(days):
         return None
     votes = np.mean([p.values[day.asking] for day, p in zip(days, free, strict=True)], axis=0)
@@ -149,12 +162,10 @@ def _most_voted(days: list[SampledDay], votes: Floats, cuts: "Cuts") -> Expectat
 
 def expectation_of(days: list[SampledDay], admitted: Floats) -> Expectation | None:
     """Costs, slopes and prices over all futures; None if one of them is infeasible."""
-    points = []
-    for day in days:
-        point = day.given(admitted)
-        if point is None:
-            return None
-        points.append(point)
+    asked = asked_of_all(days, lambda day: day.given(admitted))
+    points = [point for point in asked if point is not None]
+    if len(points) < len(days):
+        return None
     prices = [day.day.capacity_price(point) for day, point in zip(days, points, strict=True)]
     return Expectation(
         admitted=admitted,
@@ -168,7 +179,7 @@ def expectation_of(days: list[SampledDay], admitted: Floats) -> Expectation | No
 
 def costs_of(days: list[SampledDay], admitted: Floats, first_kw: Floats) -> Floats:
     """What each future costs at best, (futures,), $, if this is decided now."""
-    return np.array([day.cost_of(admitted, first_kw) for day in days])
+    return np.array(asked_of_all(days, lambda day: day.cost_of(admitted, first_kw)))
 
 
 class Cuts:

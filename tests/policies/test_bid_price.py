@@ -1,6 +1,8 @@
 """bid-price: it knows statistics only, keeps every promise, and says what it kept room for."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.totals import totals
+from evdash.policies import expectation
 from evdash.policies.bid_price import bid_price, informed
 from evdash.policies.futures import AHEAD_HOURS, MOST, sample_futures
 from evdash.scheduling.p1 import p1_policy
@@ -39,7 +42,8 @@ def test_it_keeps_every_promise_and_limit(bundled, day):
     assert {step.plan.report.status for step in day.steps} == {"feasible"}
 
 
-def test_the_same_day_again_is_the_same_day(bundled, day):
+def test_the_same_day_again_is_the_same_day_however_many_cores_there_are(bundled, day, monkeypatch):
+    monkeypatch.setattr(expectation, "ThreadPoolExecutor", partial(ThreadPoolExecutor, 1))
     again = run_day(start_day(bundled), bid_price(bundled, samples=4))
     for one, other in zip(day.steps, again.steps, strict=True):
         assert one.plan.admitted == other.plan.admitted
