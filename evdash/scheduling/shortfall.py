@@ -101,10 +101,15 @@ def least_shortfall(problem: Problem, effort: Effort) -> Recourse:
     first, *ties = RECOURSE_OBJECTIVES
     least = _minimised(model, first, effort.part(FIRST_SHARE))
     power, proven = power_of(model), {first: _is_proven(model)}
+    if not _short(problem, power).any():
+        return replace(_settled(problem, power), proven=proven[first])
     for objective in ties:
-        if not _open(problem, power, objective):
-            continue
         model.lp += model.lp.objective <= least + HAIR, f"held_before_{objective.__name__}"
+        known = _at_its_least(problem, power, objective)
+        if known is not None:
+            objective(model)  # to be held before those after it
+            least = known
+            continue
         proven[objective] = False
         try:
             least, power = _minimised(model, objective, effort.part(TIE_SHARE)), power_of(model)
@@ -119,15 +124,22 @@ def _is_proven(model: Model) -> bool:
     return bool(model.lp.sol_status == pulp.LpSolutionOptimal)
 
 
-def _open(problem: Problem, power_kw: Floats, objective: Equation) -> bool:
-    """Whether an objective after the first can still change anything."""
+def _short(problem: Problem, power_kw: Floats) -> Bools:
+    """Which vehicles a schedule leaves short, (vehicles,)."""
     missing = problem.owed_kwh - power_kw.sum(axis=1) * problem.interval_hours
-    short = missing > NOTICED_KWH
-    if objective is fewest_vehicles_short:
-        return int(short[: problem.n_contracts].sum()) > 1
-    if objective is least_given_up:
-        return bool(short[problem.n_contracts :].any())
-    return bool(short.any())
+    return np.asarray(missing > NOTICED_KWH)
+
+
+def _at_its_least(problem: Problem, power_kw: Floats, objective: Equation) -> float | None:
+    """The value of an objective after the first, where the schedule there is cannot be bettered.
+
+    Energy that is missing is missing to one at least; nobody can give up less than nothing.
+    """
+    short = _short(problem, power_kw)
+    firm, own = short[: problem.n_contracts].sum(), short[problem.n_contracts :].sum()
+    if objective is fewest_vehicles_short and firm <= 1:
+        return float(firm)
+    return 0.0 if objective is least_given_up and own == 0 else None
 
 
 def _minimised(model: Model, objective: Equation, effort: Effort) -> float:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from evdash.domain.limits import LimitRows
 from evdash.errors import SolverFailure
 from evdash.scheduling.problem import Problem
 from evdash.scheduling.shortfall import Recourse, least_shortfall, most_energy_for, step_effort
@@ -66,3 +67,46 @@ def test_more_is_granted_within_every_limit_to_the_last_bit():
         assert problems_of(asked, found) == [], seed
         granted += 1
     assert granted > 10
+
+
+def one_charger_for_two(slots: int, second_stays: int, dearer: float, *, turned: bool) -> Problem:
+    """One who needs every slot there is, and one there for some of them who pays `dearer`.
+
+    Whoever has the charger, as much energy is missing.
+    """
+    order = [1, 0] if turned else [0, 1]
+    return Problem(
+        vehicles=("all day", "for a while"),
+        n_contracts=2,
+        owed_kwh=np.array([10.0 * slots, 10.0 * (second_stays + 1)])[order],
+        intervals_left=np.array([slots, second_stays])[order],
+        low_kw=np.full(2, 1.4),
+        high_kw=np.full(2, 10.0),
+        revenue=np.array([10.0 * slots, dearer * 10.0 * (second_stays + 1)])[order],
+        price_per_kwh=np.full(slots, 0.1),
+        interval_hours=1.0,
+        chargers=1,
+        rows=LimitRows((), np.empty((0, 1)), np.empty((slots, 0))),
+        tail_kw=np.zeros((2, slots)),
+    )
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("dearer", [0.5, 1.0, 2.0])
+def test_no_money_makes_a_second_vehicle_short(dearer, turned):
+    """Where one is short already, fewer there cannot be; that is held, too."""
+    for slots in range(2, 8):
+        for stays in range(1, slots):
+            problem = one_charger_for_two(slots, stays, dearer, turned=turned)
+            found = least_shortfall(problem, step_effort())
+            assert found.short_kwh.sum() == pytest.approx(10.0 * (stays + 1))
+            assert (found.short_kwh > 0).sum() == 1, (slots, stays)
+
+
+def test_no_driver_gives_up_for_money_what_can_be_had():
+    """One promise is short whatever is done; another driver changed its terms and pays little."""
+    for pays in (0.0, 0.05, 1.0):
+        both = one_charger_for_two(4, 2, pays, turned=False)
+        problem = replace(both, n_contracts=1, chargers=2, owed_kwh=np.array([50.0, 20.0]))
+        found = least_shortfall(problem, step_effort())
+        assert found.short_kwh == pytest.approx([10.0, 0.0])
