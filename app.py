@@ -2,14 +2,8 @@
 
 import streamlit as st
 
-from evdash.ui import look
+from evdash.ui import entry, look
 
-look.begin()
-with look.while_fetching():
-    from evdash.ui import page, widths
-    from evdash.ui.session import current
-
-page.begin()
 LEARN = [
     st.Page("pages/live.py", title="Live", icon=":material/bolt:", default=True),
     st.Page("pages/vehicles.py", title="Vehicles", icon=":material/directions_car:"),
@@ -21,9 +15,18 @@ PLAN = [
     st.Page("pages/compare.py", title="Compare", icon=":material/compare_arrows:"),
     st.Page("pages/studies.py", title="Studies", icon=":material/query_stats:"),
 ]
+
+look.begin()
+entry.ask_to_sign_in([*LEARN, *PLAN])
+with look.while_fetching():
+    from evdash.ui import page, widths
+    from evdash.ui.session import current
+
+page.begin()
 shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
 page.go_on("pages/live.py")
 shown.run()
 page.settle_in()
 page.keep_address()
 widths.listen(current())
+entry.say_who_is_signed_in()

@@ -9,7 +9,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -48,19 +48,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @contextmanager
-def serving(store: str | None = None, app: Path = ROOT / "app.py") -> Iterator[str]:
+def serving(
+    store: str | None = None, app: Path = ROOT / "app.py", options: Sequence[str] = ()
+) -> Iterator[str]:
     """A fresh server's address; it is gone afterwards, and so are its runs but in `store`."""
     if store is None:
-        with TemporaryDirectory() as own, serving(own, app) as address:
+        with TemporaryDirectory() as own, serving(own, app, options) as address:
             yield address
         return
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.headless=true"]
-    options = [f"--server.port={port}", "--server.address=127.0.0.1"]
+    own_place = [f"--server.port={port}", "--server.address=127.0.0.1"]
     server = subprocess.Popen(
-        [*command, *options],
+        [*command, *own_place, *options],
         cwd=ROOT,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
