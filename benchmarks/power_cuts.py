@@ -103,7 +103,7 @@ class Writer:
         """Start a process that goes on with the run."""
         command = [sys.executable, "-m", "benchmarks.power_cuts", "--write", str(self.directory)]
         self.process = subprocess.Popen(
-            [*command, "--link", self.link],
+            [*command, f"--link={self.link}"],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             text=True,

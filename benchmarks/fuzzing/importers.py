@@ -51,7 +51,7 @@ def spoilt_network(rng: np.random.Generator) -> bytes:
             inner = json.loads(tables[name]["_object"])
             _change_frame(rng, inner)
             tables[name]["_object"] = json.dumps(inner, default=str)
-        except (TypeError, KeyError, ValueError):  # no frame, or one no longer
+        except (TypeError, LookupError, ValueError, AttributeError):  # no frame, or one no longer
             tables[name] = hostile_value(rng)
     return _perhaps_damaged(rng, json.dumps(data, default=str).encode("utf-8", "replace"))
 

@@ -76,13 +76,22 @@ def limit_findings(run: RunRecord, breaches: Breaches, step_kw: float) -> Iterat
     within = np.where(limited, headroom, 0.0)
     beyond = np.where(limited, headroom * MORE + step_kw, 0.0)
     too_high = {b.interval for b in breaches(within * (1 - 1e-9)) if b.by_station}
-    reached = {(b.interval, b.element) for b in breaches(beyond) if b.by_station}
+    reached = {(b.interval, b.element) for b in breaches(beyond) if _is_worsened(b)}
     for t in np.flatnonzero(limited):
         if int(t) in too_high:
             yield f"interval {t}: a limit is exceeded before the headroom of {headroom[t]:g} kW"
         if (int(t), run.intervals[t].binding) not in reached:
             element = run.intervals[t].binding or "nothing"
             yield f"interval {t}: {element} does not bind at {headroom[t]:g} kW"
+
+
+def _is_worsened(breach: Breach) -> bool:
+    """Whether the station worsens a limit, by any amount if the feeder is beyond it by itself.
+
+    Far beyond, as under a load no line could carry, a kW more is less than what counts as equal.
+    """
+    own = breach.base_depth > breach.tolerance
+    return breach.by_station or (own and breach.depth > breach.base_depth)
 
 
 def voltage_findings(run: RunRecord, check: FeederCheck, flow: AcResult) -> Iterator[str]:

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Self
 
+DRAWN, GUEST = "PEV-", "Guest-"
+"""What names begin with of those the generator draws, and of those who come beside all others."""
 ENERGY_TOLERANCE_KWH = 1e-6
 """Energy that counts as nothing: what floating point leaves over."""
 

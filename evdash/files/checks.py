@@ -220,7 +220,8 @@ def profile_rows(scenario: Scenario) -> Iterator[Problem]:
 def recorded_arrivals(scenario: Scenario) -> Iterator[Problem]:
     if not isinstance(scenario.arrivals, RecordedArrivals):
         return
-    minutes = scenario.interval_minutes * scenario.arrivals_end
+    # an end beyond the horizon is told elsewhere, and may be beyond the calendar
+    minutes = scenario.interval_minutes * min(scenario.arrivals_end, scenario.intervals)
     end = scenario.start + timedelta(minutes=minutes)
     timing: tuple[Place, ...] = (
         ("start",),

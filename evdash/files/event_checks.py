@@ -1,12 +1,16 @@
 """What a row of `events.csv` must agree on: with its own kind and with the rest."""
 
+import re
 from collections.abc import Iterator
 
 from evdash.domain.events import EVENT_FORMS, Event, EventForm
 from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.vehicles import DRAWN, GUEST
 from evdash.files.checks import EVERY, Check, Place, Problem
 
 MOST_CHARGERS = 100_000
+MAY_COME = re.compile(rf"{DRAWN}\d{{3,}}|{GUEST}\d+")
+DRAWN_NAME = f"{DRAWN}001, {DRAWN}002 and so on, as drawn vehicles are named"
 
 
 def event_cells(scenario: Scenario) -> Iterator[Problem]:
@@ -89,21 +93,21 @@ def event_subjects(scenario: Scenario) -> Iterator[Problem]:
         ("nodes", EVERY, "node"),
     )
     known = scenario.arrivals
-    vehicles = (
-        {arrival.vehicle for arrival in known.vehicles}
-        if isinstance(known, RecordedArrivals)
-        else None
-    )
+    # not everyone that may be drawn comes on every day; such a row then changes nothing
+    vehicles, drawn, rule = frozenset[str](), True, f"should be {DRAWN_NAME}"
+    if isinstance(known, RecordedArrivals):
+        vehicles = frozenset(arrival.vehicle for arrival in known.vehicles)
+        drawn, rule = known.forecast is not None, "should be a vehicle of arrivals.csv"
     for i, event in enumerate(scenario.events):
         kind = EVENT_FORMS[event.event].subject
         place: tuple[Place, ...] = (("events", i, "subject"), ("events", i, "event"))
         if event.subject is None:
             continue
         if kind == "element" and event.subject not in elements:
-            rule = "should be line:FROM-TO or node:NAME as in lines.csv and nodes.csv"
-            yield Problem((*place, *named), repr(event.subject), rule)
-        if kind == "vehicle" and vehicles is not None and event.subject not in vehicles:
-            rule = "should be a vehicle of arrivals.csv"
+            form = "should be line:FROM-TO or node:NAME as in lines.csv and nodes.csv"
+            yield Problem((*place, *named), repr(event.subject), form)
+        may_come = drawn and MAY_COME.fullmatch(event.subject) is not None
+        if kind == "vehicle" and event.subject not in vehicles and not may_come:
             yield Problem((*place, ("arrivals", "vehicles")), repr(event.subject), rule)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import betainc, betaincinv
 
 from evdash.domain.scenario import Arrival, ArrivalStatistics, RecordedArrivals, Scenario
+from evdash.domain.vehicles import DRAWN
 
 SOC_STEPS = 1000
 """States of charge are drawn to a tenth of a per cent, the same on every machine."""
@@ -37,7 +38,7 @@ def draw_arrivals(
 def renumbered(arrivals: list[Arrival], first: int = 1) -> tuple[Arrival, ...]:
     """The arrivals named PEV-001, PEV-002, … in their order, counting from `first`."""
     return tuple(
-        arrival.model_copy(update={"vehicle": f"PEV-{number:03d}"})
+        arrival.model_copy(update={"vehicle": f"{DRAWN}{number:03d}"})
         for number, arrival in enumerate(arrivals, first)
     )
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from evdash.domain.scenario import Arrival
 from evdash.domain.trace import Trace
+from evdash.domain.vehicles import GUEST
 from evdash.errors import Fault, InputError
-from evdash.horizon.inputs import GUEST
 from evdash.horizon.requests import requests_by_interval
 
 

@@ -5,14 +5,13 @@ import numpy as np
 from evdash.domain.limits import LimitRows
 from evdash.domain.scenario import Arrival, GeneratedArrivals, Scenario
 from evdash.domain.trace import Inputs, Network
+from evdash.domain.vehicles import GUEST
 from evdash.errors import Fault, InputError
 from evdash.horizon.arrivals import arrivals_of, renumbered
 from evdash.horizon.in_force import in_force
 from evdash.horizon.networks import NETWORKS
 from evdash.horizon.requests import first_interval, requests_by_interval
 
-GUEST = "Guest-"
-"""What the names begin with of those who come beside the scenario's own arrivals."""
 FEEDER_PARTS = ("feeder", "nodes", "lines", "interval_minutes", "intervals")
 """What limits depend on, beside the profile's loads and generation and the station's node."""
 

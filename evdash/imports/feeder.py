@@ -3,10 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from pydantic import ValidationError
+
 from evdash.domain.scenario import Feeder, Line, Node
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft, Row, Rows, read_rows, read_settings
 from evdash.files.scenario_folder import SETTINGS
+from evdash.files.wording import allowed, found
 from evdash.grid.nets.convert import converted
 from evdash.grid.nets.feeder import ConvertedFeeder
 from evdash.grid.nets.records import Net
@@ -32,7 +35,13 @@ def feeder_of_net(
 ) -> ImportedFeeder:
     """A network converted and held against its own AC power flow; InputError where it cannot be."""
     feeder = converted(net, source)
-    difference = ac_difference(net, feeder)
+    try:
+        difference = ac_difference(net, feeder)
+    except ValidationError as error:
+        details = error.errors(include_url=False)
+        raise InputError(
+            [Fault(f"network, {one['loc'][-1]}", found(one), allowed(one)) for one in details]
+        ) from None
     told = (
         difference.text
         if difference is not None

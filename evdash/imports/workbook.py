@@ -5,6 +5,7 @@ counted and sized before anything is unpacked, rows and columns while they are r
 """
 
 import io
+import math
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -221,7 +222,9 @@ def written(
             sheet = book.add_worksheet(title)
             for number, row in enumerate(rows):
                 for column, cell in enumerate(row):
-                    if isinstance(cell, str):
+                    if isinstance(cell, float) and not math.isfinite(cell):
+                        sheet.write_string(number, column, str(cell))  # no number to Excel
+                    elif isinstance(cell, str):
                         sheet.write_string(number, column, cell, None if number else bold)
                     elif cell is not None:
                         sheet.write(number, column, cell)

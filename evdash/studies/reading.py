@@ -76,15 +76,23 @@ def base_scenario(study: Study, beside: Path) -> Scenario:
     """The base scenario: a bundled one by its name, or a folder or .zip seen from `beside`."""
     bundled = {folder.name: folder for folder in bundled_scenarios()}
     place = beside / study.base
-    if not place.exists() and study.base in bundled:
+    if not _is_there(place) and study.base in bundled:
         place = PRESETS / study.base
-    if not place.exists():
+    if not _is_there(place):
         rule = f"should be a folder or .zip, or one of {', '.join(bundled)}"
         raise InputError([Fault("base", shown(study.base), rule)])
     try:
         return read_scenario(place)
     except InputError as error:
         raise InputError([_within(f"base {study.base}", fault) for fault in error.faults]) from None
+
+
+def _is_there(place: Path) -> bool:
+    """Whether there is such a place; a name that no file can have is none."""
+    try:
+        return place.exists()
+    except (OSError, ValueError):
+        return False
 
 
 def _within(place: str, fault: Fault) -> Fault:

@@ -4,7 +4,8 @@ import pytest
 
 from evdash.domain.events import EVENT_FORMS
 from evdash.files.overrides import edit_scenario
-from evdash.files.scenario_folder import parse_scenario
+from evdash.files.scenario_folder import parse_scenario, resolved
+from evdash.horizon.arrivals import arrivals_of
 from tests.builders import generator, make_scenario
 from tests.files.spoiling import faults_of, files_of, recorded_scenario
 
@@ -98,6 +99,18 @@ def test_all_faults_come_together_and_unknown_columns_too():
 def test_with_arrivals_drawn_any_vehicle_can_be_named():
     files = with_events(HEADER + "1,no_show,PEV-007,,,\n", arrivals=generator())
     assert faults_of(files) == []
+
+
+def test_with_arrivals_drawn_a_name_that_nobody_can_have_is_told():
+    files = with_events(HEADER + "1,no_show,7,,,\n1,no_show,PEV-7,,,\n", arrivals=generator())
+    assert ["should be PEV-001" in fault for fault in faults_of(files)] == [True, True]
+
+
+def test_a_run_of_a_day_on_which_somebody_named_did_not_come_can_be_read_again():
+    text = HEADER + "1,no_show,PEV-4000,,,\n1,no_show,Guest-1,,,\n"
+    scenario = parse_scenario(with_events(text, arrivals=generator()))
+    run = resolved(scenario, arrivals_of(scenario))
+    assert parse_scenario(files_of(run)) == run
 
 
 def test_events_belong_in_their_file():
