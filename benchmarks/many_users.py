@@ -6,7 +6,7 @@ Everybody steps, looks around, clicks twice, reloads and changes pages in mid-st
 seconds between two actions. Latency is from the click to the last message of the page it gives;
 what a browser then draws is not in it. `--stay MINUTES` has people leave after so long and others
 come, so that an hour (`--minutes 60`) shows whether memory is bounded; it is written every minute.
-`--heavy` lets one more run a day of 5,000 vehicles to its end and another a hundred days in a row.
+`--heavy` lets one more run a day of 5,000 vehicles to its end and another a study.
 Exit status 0 if nobody saw another's data, no step was lost or came twice, no page failed, and
 every day is what it is when decided alone; else 3.
 """

@@ -1,4 +1,4 @@
-"""People who ask for a lot at once: a day of 5,000 vehicles, a hundred days in a row."""
+"""People who ask for a lot at once: a day of 5,000 vehicles, a study of many hundred days."""
 
 import asyncio
 import time
@@ -31,5 +31,5 @@ async def _keep_asking(server: Server, query: str, page: str, button: str, end: 
 
 
 async def _study(server: Server, end: float) -> None:
-    """A hundred days on the Model page."""
-    await _keep_asking(server, "", "model", "run_study", end)
+    """The first question of the Studies page, as it stands there."""
+    await _keep_asking(server, "", "studies", "start_study", end)
