@@ -34,7 +34,7 @@ def arrival_rows(
         battery = session.battery_kwh or rules.battery_kwh
         if session.soc_in is not None and session.battery_kwh is None and soc_out > session.soc_in:
             battery = into_battery / (soc_out - session.soc_in)
-        if into_battery > soc_out * battery and soc_out > 0:
+        if into_battery > soc_out * battery:
             battery, enlarged = math.ceil(into_battery / soc_out * 10) / 10, enlarged + 1
         rows.append(
             {

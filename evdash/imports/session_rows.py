@@ -7,11 +7,14 @@ from dataclasses import dataclass, field
 from datetime import date, datetime, time, timedelta
 
 from evdash.errors import Fault, InputError
+from evdash.files.checks import LEAST_SOC
 from evdash.files.wording import shown
 from evdash.imports.clock import Reading, clock_at, placed, read_time
 from evdash.imports.tables import ForeignTable
 
 LEAST_KWH = 0.05
+LEAST = {"soc_out": LEAST_SOC}
+"""What a number may be at the least, where that is not 0."""
 MAX_FAULTS = 200
 HOURS = {"h": 1.0, "min": 1 / 60, "s": 1 / 3600, "days": 24.0}
 """Units of durations, and of times counted from `origin`."""
@@ -33,6 +36,13 @@ class SessionRules:
     soc_out: float = 0.9
     option_share: Mapping[str, float] = field(default_factory=dict)
     seed: int = 1
+
+    def faults(self) -> list[Fault]:
+        """What is wrong with what is taken where the table says nothing."""
+        if LEAST_SOC <= self.soc_out <= 1:
+            return []
+        rule = f"should be from {LEAST_SOC:g} to 1"
+        return [Fault("charge on leaving (soc_out)", f"{self.soc_out:g}", rule)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +85,7 @@ class SessionReader:
             energy = self._number(row, place, "energy_kwh", low=0.0)
             stay = self._stay(row, place, arrival, departure)
             values = {
-                name: self._number(row, place, name)
+                name: self._number(row, place, name, low=LEAST.get(name, 0.0))
                 for name in ("battery_kwh", "soc_in", "soc_out", "max_kw")
             }
             for name in ("soc_in", "soc_out"):

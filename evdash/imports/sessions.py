@@ -28,7 +28,7 @@ def with_sessions(
     """
     columns = checked(rules.columns, table.columns, FIELDS, REQUIRED)
     rules = replace(rules, reading=_in_zone(table, rules.reading))
-    if faults := first_day_faults(rules.first_day):
+    if faults := [*first_day_faults(rules.first_day), *rules.faults()]:
         raise InputError(faults)
     read, told = SessionReader(table, columns, rules).sessions()
     first, days = _span(read, rules)

@@ -183,6 +183,13 @@ def test_faults_name_row_column_and_what_is_allowed(text: str, words: str) -> No
     assert words in faults(text)
 
 
+def test_nobody_leaves_with_an_empty_battery() -> None:
+    text = "arrival,energy_kwh,departure_soc\n2019-03-01 06:20,4,0\n"
+    assert "mine.csv, row 2, column departure_soc: found '0'" in faults(text)
+    for soc_out in (0.0, -0.5, 1.5, float("nan")):
+        assert "soc_out): found" in faults(CSV, soc_out=soc_out)
+
+
 def test_columns_nobody_has_are_refused() -> None:
     assert "columns of the table are" in faults(CSV, columns={"arrival": "x", "energy_kwh": "y"})
     assert "time zone such as" in faults(CSV, reading=Reading("Mars/Olympus"))
