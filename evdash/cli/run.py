@@ -8,7 +8,7 @@ from evdash.cli.report import print_explanations, print_report
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.explain.binding import binding_elements
-from evdash.explain.refusals import Asked, Explanation, refused
+from evdash.explain.refusals import Explanation, explained, refused
 from evdash.explain.revisions import explain_revision
 from evdash.explain.worth import day_worths
 from evdash.files.bundled import DEFAULT
@@ -45,15 +45,15 @@ def run(options: argparse.Namespace) -> int:
         seed=scenario.arrivals.seed,
         wall_seconds=time.perf_counter() - began,
     )
-    explained = _explained(trace) if options.explain else None
+    day = _whole_day(trace) if options.explain else None
     if options.out is not None:
         files = run_files(trace, verdict, label)
-        if explained is not None:
-            files |= explanation_files(explained)
+        if day is not None:
+            files |= explanation_files(day)
         write_run(options.out, files)
     print_report(trace, verdict, label, options.out)
-    if options.out is None and explained is not None:
-        print_explanations(trace, explained)
+    if options.out is None and day is not None:
+        print_explanations(trace, day)
     return BROKEN if totals(trace).broken or verdict.broken_by_station(options.network) else 0
 
 
@@ -63,7 +63,7 @@ def _check_explained(options: argparse.Namespace) -> None:
         raise InputError([fault])
 
 
-def _explained(trace: Trace) -> DayExplained:
+def _whole_day(trace: Trace) -> DayExplained:
     """Every refusal explained, what more of each limit is worth, what binds, what was revised."""
     return DayExplained(
         refusals=_refusals(trace),
@@ -76,12 +76,8 @@ def _explained(trace: Trace) -> DayExplained:
 def _refusals(trace: Trace) -> tuple[Explanation, ...]:
     with progress_bar() as progress:
         task = progress.add_task("explaining", total=totals(trace).refused)
-        explained: list[Explanation] = []
-        for some in in_order(list(refused(trace)), _of_some, cores()):
-            explained.extend(some)
+        told: list[Explanation] = []
+        for some in in_order(list(refused(trace)), explained, cores()):
+            told.extend(some)
             progress.advance(task, len(some))
-    return tuple(explained)
-
-
-def _of_some(asked: Asked) -> tuple[Explanation, ...]:
-    return tuple(asked.explained())
+    return tuple(told)

@@ -77,11 +77,16 @@ class Asked:
     vehicles: tuple[str, ...]
     known: Plans = field(default_factory=dict)
 
-    def explained(self, policy: Policy | None = None) -> Iterator[Explanation]:
+    def explanations(self, policy: Policy | None = None) -> Iterator[Explanation]:
         """One after the other, each worked out when asked for."""
         plans = dict(self.known)
         for vehicle in self.vehicles:
             yield _explained(trials_of(self.inputs, self.state, vehicle, policy, plans))
+
+
+def explained(asked: Asked) -> tuple[Explanation, ...]:
+    """All of them, as another process is asked for it."""
+    return tuple(asked.explanations())
 
 
 def refused(trace: Trace) -> Iterator[Asked]:
@@ -102,7 +107,7 @@ def _groups(vehicles: Sequence[str]) -> Iterator[tuple[str, ...]]:
 def explanations(trace: Trace, policy: Policy | None = None) -> Iterator[Explanation]:
     """Everyone refused so far, in order of arrival; each is worked out when asked for."""
     for asked in refused(trace):
-        yield from asked.explained(policy)
+        yield from asked.explanations(policy)
 
 
 def too_late(trace: Trace) -> tuple[Request, ...]:

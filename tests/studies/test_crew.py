@@ -4,9 +4,8 @@ import os
 
 import pytest
 
-from evdash.cli.run import _of_some
 from evdash.errors import EvdashError
-from evdash.explain.refusals import TOGETHER, explanations, refused
+from evdash.explain.refusals import TOGETHER, explained, explanations, refused
 from evdash.files.bundled import bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
 from evdash.studies.crew import in_order
@@ -46,8 +45,8 @@ def test_a_crowd_is_explained_alike_by_one_process_and_by_two():
     crowd = max(groups, key=lambda asked: len(asked.vehicles))
     assert len(crowd.vehicles) == TOGETHER
     late = [asked for asked in groups if asked.inputs.scenario.intervals - 2 <= asked.state.now]
-    one = list(in_order(late, _of_some, 1))
-    assert list(in_order(late, _of_some, 2)) == one
+    one = list(in_order(late, explained, 1))
+    assert list(in_order(late, explained, 2)) == one
     told = [explanation.vehicle for some in one for explanation in some]
     assert told
     assert [v for asked in groups for v in asked.vehicles][-len(told) :] == told
