@@ -79,9 +79,11 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
 )
 EVENTS_TOLD = """\
 A vehicle's events concern its contract while that is open: on one who has not come yet, was
-refused, or has got all its energy, they have no effect. What a driver gives up by leaving early,
-being late or staying away is `released` and not a broken promise, and costs nobody else anything.
-More energy is granted as far as every promise leaves room and the battery can take it.
+refused, or has got all its energy, they have no effect. Where arrivals are drawn, vehicles are
+named PEV-001, PEV-002 and so on, and not each of them comes on every day. What a driver gives up
+by leaving early, being late or staying away is `released` and not a broken promise, and costs
+nobody else anything. More energy is granted as far as every promise leaves room and the battery
+can take it.
 """
 RUN_INTRODUCTION = """\
 # What a run writes

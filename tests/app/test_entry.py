@@ -67,7 +67,7 @@ def test_secrets_that_cannot_be_read_let_nobody_in(tmp_path: Path, monkeypatch: 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_no_page_is_a_way_round_it(page: str) -> None:
-    """Neither from within nor as the first address a fresh server is asked for."""
+    """A fresh server's first address is tried in `tests/browser/test_sign_in.py`."""
     at = AppTest.from_file(str(ROOT / "app.py"), default_timeout=120)
     at.secrets["auth"] = {"cookie_secret": "for the test of this page alone"}
     at.run()
