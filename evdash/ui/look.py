@@ -39,7 +39,8 @@ STYLE = """
 .stPlotlyChart svg text[style*="fill: rgb(125, 125, 126)"] { fill: currentColor !important; }
 @media print {
   [data-testid="stSidebar"], [data-testid="stHeader"], .modebar-container,
-  .st-key-toolbar button, .st-key-prompts, .st-key-why, [data-testid="stExpander"],
+  .st-key-toolbar button, .st-key-prompts, .st-key-why, .st-key-signed_in,
+  [data-testid="stExpander"],
   [data-testid="stElementToolbar"], [data-testid="stTooltipIcon"], [role="tooltip"],
   [data-testid="stTooltipContent"] { display: none !important; }
   [data-testid="stApp"], [data-testid="stMain"], [data-testid="stAppViewContainer"] {
