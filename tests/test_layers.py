@@ -12,6 +12,7 @@ CODE = [*sorted((ROOT / "evdash").rglob("*.py")), *PAGES]
 # The only places that may import what is not ours.
 HOMES = {
     "streamlit": ("evdash/ui/", "pages/", "app.py"),
+    "starlette": ("evdash/ui/",),
     "plotly": ("evdash/charts/",),
     "pulp": ("evdash/scheduling/",),
     "highspy": ("evdash/scheduling/",),
@@ -21,7 +22,7 @@ HOMES = {
 }
 # What a list of calls is made of.
 CALLS = (
-    *(ast.Module, ast.Expr, ast.Assign, ast.With, ast.withitem, ast.If),
+    *(ast.Module, ast.Expr, ast.Assign, ast.With, ast.withitem, ast.If, ast.Compare, ast.Eq),
     *(
         ast.Call,
         ast.keyword,

@@ -1,7 +1,6 @@
 """A real server, a real Chromium, and pages that must not complain."""
 
 import os
-import re
 import shutil
 import socket
 import subprocess
@@ -36,8 +35,6 @@ SERVER_SECONDS = 120
 PATIENCE_MS = 120_000
 """For whatever a page has to show, on a machine with much else to do: no test fails on time."""
 expect.set_options(timeout=PATIENCE_MS)
-# A deep link makes Streamlit's browser side try addresses below the page's own first.
-KNOWN_ERROR = re.compile(r"https?://[^/]+/[a-z]+/_stcore/")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -124,7 +121,7 @@ def visiting(browser: Browser, scheme: str = "light") -> Iterator[Page]:
     )
     yield page
     assert page.locator("[data-testid=stException]").count() == 0
-    assert [c for c in complaints if not KNOWN_ERROR.search(c)] == []
+    assert complaints == []
     context.close()
 
 
