@@ -8,6 +8,7 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -22,6 +23,8 @@ from evdash.metrics.ac import AcPoint
 from evdash.metrics.ac_kept import KeptFlows
 
 ROOT = Path(__file__).parents[2]
+PATIENCE_SECONDS = 120.0
+"""For one answer, the seconds that loading pandapower takes before the first included."""
 
 
 class ProcessEnded(EvdashError):
@@ -31,11 +34,12 @@ class ProcessEnded(EvdashError):
 class AcProcess:
     """`KeptFlows` in a process that begins with the first question, for one thread at a time.
 
-    It ends with the server, however that ends. Raises ProcessEnded where it ended by itself; the
-    next question begins a new one.
+    It ends with the server, however that ends. Raises ProcessEnded where it ended by itself, or was
+    ended because an answer took longer than `patience_seconds`; the next question begins a new one.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, patience_seconds: float = PATIENCE_SECONDS) -> None:
+        self._patience_seconds = patience_seconds
         self._process: subprocess.Popen[bytes] | None = None
 
     @property
@@ -59,21 +63,38 @@ class AcProcess:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
             )
-        asked, answers = self._process.stdin, self._process.stdout
-        line = b""
-        if asked is not None and answers is not None:
-            try:
-                asked.write(f"{json.dumps(question)}\n".encode())
-                asked.flush()
-                line = answers.readline()
-            except OSError:
-                pass  # it ended before it was asked; no answer says so, too
+        process, gave_up = self._process, threading.Event()
+
+        def give_up() -> None:
+            gave_up.set()
+            process.kill()
+
+        patience = threading.Timer(self._patience_seconds, give_up)
+        patience.daemon = True
+        patience.start()
+        line = _asked(process, json.dumps(question))
+        patience.cancel()
         if not line:
-            ended, self._process = self._process, None
-            ended.kill()
-            raise ProcessEnded(f"the process of the AC power flow ended ({ended.wait()})")
+            self._process = None
+            process.kill()
+            status = process.wait()
+            if gave_up.is_set():
+                raise ProcessEnded(f"no AC power flow within {self._patience_seconds:g} s")
+            raise ProcessEnded(f"the process of the AC power flow ended ({status})")
         answer: dict[str, Any] = json.loads(line)
         return answer
+
+
+def _asked(process: subprocess.Popen[bytes], question: str) -> bytes:
+    """The line that answers a question; empty if the process ended before it did."""
+    if process.stdin is None or process.stdout is None:
+        return b""
+    try:
+        process.stdin.write(f"{question}\n".encode())
+        process.stdin.flush()
+        return process.stdout.readline()
+    except OSError:
+        return b""
 
 
 def _question(scenario: Scenario, interval: int, station_kw: float | None) -> dict[str, object]:

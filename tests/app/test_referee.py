@@ -115,6 +115,12 @@ def test_a_process_that_was_killed_is_begun_anew() -> None:
     assert flows.pid != first
 
 
+def test_an_answer_that_does_not_come_is_given_up_and_told() -> None:
+    found = awaited(Referee(AcProcess(patience_seconds=0.05)), day(1))  # loading takes longer
+    assert not found[0].checked
+    assert "no AC power flow within 0.05 s" in found[0].failure
+
+
 def test_the_process_finds_what_this_one_does() -> None:
     trace = start_day(read_scenario(PRESETS / "voltage-limited"))
     while not trace.is_over:
