@@ -25,7 +25,7 @@ def routes(pages: Path) -> list[Route]:
     shell = (files("streamlit") / "static" / "index.html").read_text(encoding="utf-8")
     told = shell.replace(HEAD, HEAD + WHERE, 1)
 
-    async def answer(_: Request) -> HTMLResponse:
+    def answer(_: Request) -> HTMLResponse:
         return HTMLResponse(told, headers={"Cache-Control": "no-cache"})
 
     return [Route(f"{root}/{page.stem}", answer) for page in sorted(pages.glob("*.py"))]

@@ -1,6 +1,5 @@
 """Pages' own addresses, as the server answers them; the browser's side is tests/browser's."""
 
-import asyncio
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,7 @@ def test_every_page_is_told_where_its_server_is_before_anything_runs() -> None:
     found = routes(PAGES)
     assert {route.path for route in found} == {f"/{page.stem}" for page in PAGES.glob("*.py")}
     for route in found:
-        html = asyncio.run(route.endpoint(None)).body.decode()
+        html = route.endpoint(None).body.decode()
         assert html.index(WHERE) < html.index("<script", html.index(WHERE) + 1)
         assert html.index("<script") == html.index(WHERE)
 
