@@ -27,7 +27,9 @@ def schedule_figure(trace: Trace, outlook: Outlook) -> Figure:
         rows,
         height_px=next(px for most, px in HEIGHTS_PX.items() if len(rows) <= most),
         lines=max(LEAST_ROWS, len(rows)),
-        empty="Vehicles appear here once they are admitted",
+        empty="Nobody was admitted"
+        if trace.is_over
+        else "Vehicles appear here once they are admitted",
     )
 
 

@@ -69,7 +69,8 @@ class Event(Record):
         form, subject = EVENT_FORMS[self.event], self.subject or ""
         if form.subject == "element":
             subject = subject.replace(":", " ", 1)  # `line:632-633` is line 632-633
-        return form.words.format(subject=subject, value=f"{self.amount:g}")
+        words = form.words if self.amount != 1 else form.words_of_one or form.words
+        return words.format(subject=subject, value=f"{self.amount:g}")
 
     def told(self, clock: Callable[[int], str]) -> str:
         """What happens and the times it bears on, as `clock` tells the start of an interval."""
@@ -85,7 +86,8 @@ class Event(Record):
 class EventForm:
     """What a kind of event means and which cells its row must have; empty text means none.
 
-    `least` and `most` bound the value. `words` tells one of them in a sentence.
+    `least` and `most` bound the value. `words` tells one of them in a sentence; `words_of_one`
+    does where its value is 1 and grammar wants it.
     """
 
     meaning: str
@@ -97,6 +99,7 @@ class EventForm:
     whole: bool = False
     span: tuple[Edge, ...] = ()
     span_required: bool = False
+    words_of_one: str = ""
 
 
 SPAN: tuple[Edge, ...] = ("from_interval", "until_interval")
@@ -109,6 +112,7 @@ EVENT_FORMS: Mapping[EventKind, EventForm] = {
         least=1,
         most=100_000,
         whole=True,
+        words_of_one="1 of the chargers stops working",
     ),
     "chargers_return": EventForm(
         "So many chargers work again",
@@ -117,6 +121,7 @@ EVENT_FORMS: Mapping[EventKind, EventForm] = {
         least=1,
         most=100_000,
         whole=True,
+        words_of_one="1 more of the chargers works",
     ),
     "chargers": EventForm(
         "From now on so many chargers work",
@@ -124,6 +129,7 @@ EVENT_FORMS: Mapping[EventKind, EventForm] = {
         value="chargers",
         most=100_000,
         whole=True,
+        words_of_one="1 charger works from now on",
     ),
     "rating": EventForm(
         "The rating of a line or transformer (`line:632-633`) or of a node's net injection "

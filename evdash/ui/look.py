@@ -20,6 +20,7 @@ STYLE = """
   font-variant-numeric: tabular-nums; }
 .st-key-sentence p { font-size: 1.2rem; line-height: 1.35; }
 .st-key-live { gap: .5rem; }
+.st-key-outcome { padding-bottom: 1rem; gap: .4rem; }
 .st-key-prompts button { min-height: 2rem; padding: .1rem .6rem; }
 .st-key-figures [data-testid="stMetricLabel"] { min-height: 1.2rem; }
 .st-key-schedule, .st-key-decision { gap: .4rem; }
@@ -31,6 +32,7 @@ STYLE = """
   white-space: nowrap; }
 .st-key-figures [data-testid="stMetricValue"] { font-variant-numeric: tabular-nums; }
 .st-key-fetch, [data-testid="stLayoutWrapper"]:has(> .st-key-fetch) { display: none; }
+@media screen { [data-testid="stLayoutWrapper"]:has(> .st-key-on_paper) { display: none; } }
 /* Beside an open sidebar a small window has no room for two columns of charts. */
 @media screen and (max-width: 1100px) {
   [data-testid="stMain"] [data-testid="stColumn"] { min-width: 100%; }

@@ -69,9 +69,12 @@ def restarted(run: Run) -> Run:
 
 
 def restored(run: Run) -> Run:
-    """The settings the scenario was opened with, from now on; what happened stays happened."""
+    """The settings the scenario was opened with, from now on; what happened stays happened.
+
+    Once the day is over, as with every edit, that is for its next run.
+    """
     trace, title = run.trace, "the preset's settings"
-    if not trace.steps:
+    if not trace.steps or trace.is_over:
         return _revised(run, run.opened, title)
     happened = tuple(e for e in trace.inputs.given.events if e not in run.opened.events)
     scenario = run.opened.replacing(events=(*run.opened.events, *happened))

@@ -183,16 +183,34 @@ def changes(before: Scenario, after: Scenario, first: int = 0) -> list[str]:
     return told
 
 
+def setting_labels(scenario: Scenario) -> dict[str, str]:
+    """Every setting as it is called where no heading says whose it is, by its key."""
+    return {key: label for key, (label, _) in _values(scenario).items()}
+
+
+def settings_told(inputs: Inputs) -> str:
+    """All settings in force in a line, for paper, which has no sidebar."""
+    told = [plain(inputs.scenario.name), f"limits kept in {NETWORK_NAMES[inputs.network]}"]
+    told += [f"{plain(label)} {value:g}" for label, value in _values(inputs.scenario).values()]
+    return " · ".join(told)
+
+
 def _values(scenario: Scenario) -> Mapping[str, tuple[str, float]]:
     named = [*arrival_controls(scenario), charger_control(scenario)]
     values = {c.key: (c.label, c.value) for c in named}
+    if isinstance(scenario.arrivals, GeneratedArrivals):
+        for name, share in scenario.arrivals.option_share.items():
+            values[f"share.{name}"] = (f"drivers who choose {name}, %", 100 * share)
     for name, price, rate in option_controls(scenario):
         values |= {c.key: (f"{name} {c.label}", c.value) for c in (price, rate)}
     return values
 
 
 def edit_log(trace: Trace, opened: Scenario, outlook: Outlook) -> list[str]:
-    """What was changed and since when, read off the inputs in force at every step."""
+    """What was changed and since when, read off the inputs in force at every step; what is to come.
+
+    That is an event foreseen, of which the station does not know yet.
+    """
     told = []
     before, network = opened, next(iter(NETWORK_NAMES))
     moments: list[tuple[int, Inputs]] = [(step.interval, step.inputs) for step in trace.steps]
@@ -207,4 +225,14 @@ def edit_log(trace: Trace, opened: Scenario, outlook: Outlook) -> list[str]:
             since = f"from {clock(outlook.times[interval], outlook)}"
             told.append(f"**{'for the next run' if over else since}:** {'; '.join(what)}")
         before, network = inputs.scenario, inputs.network
+
+    def at(interval: int) -> str:
+        return clock(outlook.times[interval], outlook)
+
+    if not trace.is_over:
+        told += [
+            f"**at {at(event.interval)}:** {plain(event.told(at))}"
+            for event in trace.inputs.given.events
+            if event not in opened.events and event.interval > trace.now
+        ]
     return told

@@ -6,12 +6,15 @@ from evdash.ui.apart import one_click
 from evdash.ui.handon.popover import hand_on
 from evdash.ui.parts import view
 from evdash.ui.session import Session
+from evdash.ui.settings import settings_told
 from evdash.ui.words import counted
 
 
 def toolbar(session: Session) -> None:
-    """The clock; step, run, play, back, reset."""
+    """The clock; step, run, play, back, reset; on paper, which run this is."""
     trace, ahead = session.run.trace, view(session)
+    with st.container(key="on_paper"):
+        st.markdown(session.once("on_paper", lambda: settings_told(trace.inputs)))
     with st.container(key="toolbar", horizontal=True, vertical_alignment="center", gap="xsmall"):
         with st.container(key="clock", width=116):
             st.markdown(f"{ahead.clock:%H:%M}")

@@ -42,15 +42,21 @@ class Prompted:
     before: Run
     after: Run
 
+    @property
+    def is_for_next_run(self) -> bool:
+        """Whether the day was over when it was pressed."""
+        return self.before.trace.is_over
+
     @cached_property
     def effects(self) -> list[dict[str, str]]:
         """What it does by the end of the day, before and after, as rows of a table."""
+        after = runs.restarted(self.after) if self.is_for_next_run else self.after
         return [
             {"By the end of the day": name}
             | {figure: told(day) for figure, told in FIGURES.items()}
             for name, day in (
                 ("Before", totals(run_day(self.before.trace, policy))),
-                ("After", totals(run_day(self.after.trace, policy))),
+                ("After", totals(run_day(after.trace, policy))),
             )
         ]
 

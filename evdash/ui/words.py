@@ -7,15 +7,12 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 
-import numpy as np
-
 from evdash.domain.breach import Breach
 from evdash.domain.outlook import Outlook
 from evdash.domain.plan import SolveReport
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Step, Trace
+from evdash.domain.trace import Step
 from evdash.metrics.ac import AcPoint
-from evdash.metrics.totals import Totals
 
 _PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
 _UNFIT = re.compile(r"[^a-z0-9]+")
@@ -83,53 +80,6 @@ def element_words(element: str, scenario: Scenario) -> str:
         return plain(name)
     ends = f"{plain(line.from_node)}–{plain(line.to_node)}"
     return f"line or transformer {ends} ({line.rating_kva or 0:g} kVA)"
-
-
-def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
-    """The run so far and what is ahead, in a sentence or two."""
-    if not trace.steps:
-        return f"**The day is about to begin.** {_limit_ahead(trace, outlook)}"
-    admitted = f"**{totals.admitted:,} of {counted(totals.arrived, 'PEV')} admitted**"
-    if trace.is_over:
-        kept = (
-            "every one charged in full and on time"
-            if not totals.broken
-            else f":red[{counted(totals.broken, 'contract')} broken]"
-        )
-        return (
-            f"**The day is over:** {admitted}, {kept}; {totals.energy_delivered_kwh:,.0f}\u00a0kWh "
-            f"delivered for a profit of {money(totals.profit)}. {_tightest_behind(trace, outlook)}"
-        )
-    charging = int(trace.steps[-1].plan.charging[0])
-    return f"{admitted}, {charging} charging. {_limit_ahead(trace, outlook)}"
-
-
-def _limit_ahead(trace: Trace, outlook: Outlook) -> str:
-    ahead = outlook.headroom_kw[outlook.now :]
-    if not np.isfinite(ahead).any():
-        return "The feeder sets no limit to charging."
-    t = outlook.now + int(ahead.argmin())
-    element = element_words(outlook.binding[t], trace.scenario)
-    when = f"**{clock(outlook.times[t], outlook)}**"
-    room = f"{outlook.headroom_kw[t]:,.0f}\u00a0kW left for charging"
-    if t == outlook.now:
-        return f"{_capital(element)} is the tightest limit, and now is its tightest hour: {room}."
-    return f"{_capital(element)} is the tightest limit; {when} will be its tightest hour, {room}."
-
-
-def _tightest_behind(trace: Trace, outlook: Outlook) -> str:
-    if not np.isfinite(outlook.headroom_kw).any():
-        return ""
-    t = int(outlook.headroom_kw.argmin())
-    element = element_words(outlook.binding[t], trace.scenario)
-    return (
-        f"{_capital(element)} was the tightest limit: at {clock(outlook.times[t], outlook)} it "
-        f"left {outlook.headroom_kw[t]:,.0f}\u00a0kW."
-    )
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def decision_title(step: Step, outlook: Outlook) -> str:

@@ -55,7 +55,7 @@ def test_times_an_event_bears_on_are_told():
     assert told_of["late"] == r"a is late\, back at 02\:00"
     assert told_of["leaves_early"] == r"a leaves early at 02\:00"
     assert told_of["load_factor"].endswith(r"what was expected from 01\:00 until 02\:00")
-    assert told_of["chargers_fail"] == "1 of the chargers stop working"
+    assert told_of["chargers_fail"] == "1 of the chargers stops working"
     assert told_of["rating"] == r"the rating of line s\-a is 50 kVA from now on"
 
 

@@ -4,15 +4,27 @@ from dataclasses import replace
 
 import pytest
 
+from evdash.domain.events import Event
 from evdash.domain.plan import Plan, Snapshot
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
+from evdash.horizon.day import run_day
 from evdash.metrics.outlook import outlook
 from evdash.metrics.totals import totals
-from evdash.ui.run import Run, edited, open_run, restarted, restored, stepped, stepped_back
+from evdash.ui.run import (
+    Run,
+    edited,
+    foreseen,
+    open_run,
+    restarted,
+    restored,
+    stepped,
+    stepped_back,
+)
 from evdash.ui.session import Session
 from evdash.ui.settings import all_controls, curve_for, edit_log, prices_from_now
 from evdash.ui.solving import Turns, policy, shared
+from evdash.ui.whatif import Prompted, prompts
 
 
 @pytest.fixture
@@ -88,6 +100,38 @@ def test_reset_keeps_settings_and_restore_returns_them(run: Run) -> None:
     fresh = restarted(there)
     assert (fresh.trace.now, fresh.trace.scenario.station.chargers) == (0, 9)
     assert restored(fresh).trace.scenario.station.chargers == 12
+
+
+def test_settings_are_restored_for_the_next_run_of_a_day_that_is_over(run: Run) -> None:
+    there = edited(after(run, 12), "chargers", {"station.chargers": 9})
+    over = after(there, 24)
+    assert over.trace.is_over
+    back = restored(over)
+    assert back.answer is None
+    assert back.trace.steps is over.trace.steps
+    assert restarted(back).trace.scenario.station.chargers == 12
+
+
+def test_the_log_tells_choices_of_drivers_and_what_is_foreseen(run: Run) -> None:
+    there = edited(run, "C1", {"arrivals.option_share.C1": 1.0, "arrivals.option_share.C2": 0.0})
+    row = {"interval": 18, "event": "chargers_fail", "value": 1}
+    there = foreseen(there, "a charger fails", Event.model_validate(row))
+    log = edit_log(there.trace, there.opened, outlook(there.trace))
+    assert [told.replace("\\", "") for told in log] == [
+        "**from 00:00:** drivers who choose C1, % 40 → 100; drivers who choose C2, % 60 → 0",
+        "**at 18:00:** 1 of the chargers stops working",
+    ]
+
+
+def test_a_prompt_after_the_day_is_told_for_its_next_run(run: Run) -> None:
+    over = after(run, 24)
+    fewer = next(prompt for prompt in prompts(over) if prompt.key == "fewer_chargers")
+    assert fewer.change is not None
+    before, changed = Prompted(fewer.label, over, fewer.change(over)).effects
+    fresh = restarted(edited(run, "chargers", {"station.chargers": 10}))
+    there = totals(run_day(fresh.trace, policy))
+    assert changed["Admitted"] == f"{there.admitted} of {there.arrived}"
+    assert before["Profit"] != changed["Profit"]
 
 
 def test_the_log_says_what_is_in_force_since_when(run: Run) -> None:

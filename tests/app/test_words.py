@@ -2,18 +2,22 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from evdash.domain.breach import Breach
 from evdash.domain.plan import SolveReport
 from evdash.domain.trace import Trace
 from evdash.files.bundled import DEFAULT
+from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day, step
+from evdash.metrics.ac import AcPoint
 from evdash.metrics.outlook import outlook
 from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
-from evdash.ui.words import ac_lines, decision_lines, element_words, money, plain, quality, story
+from evdash.ui.story import ac_told, story
+from evdash.ui.words import ac_lines, decision_lines, element_words, money, plain, quality
 from tests.builders import line, make_scenario, node, vehicle
 
 P1 = p1_policy()
@@ -22,6 +26,10 @@ P1 = p1_policy()
 @pytest.fixture(scope="module")
 def day() -> Trace:
     return start_day(read_scenario(DEFAULT))
+
+
+def point(*breaches: Breach) -> AcPoint:
+    return AcPoint(np.array([1.0]), breaches)
 
 
 def told(trace: Trace) -> str:
@@ -44,8 +52,36 @@ def test_the_story_follows_the_day(day: Trace) -> None:
     assert told(trace).startswith(
         f"{sums.admitted} of {sums.arrived} PEVs admitted, {charging} charging."
     )
+    for _ in range(5):
+        trace = step(trace, P1)
+    assert "The feeder's tightest hour is behind: 18:00 left 61 kW." in told(trace)
     over = run_day(trace, P1)
     assert "51 of 99 PEVs admitted, every one charged in full and on time" in told(over)
+
+
+def test_a_day_that_is_over_says_why_everyone_was_refused_and_what_was_used_up(day: Trace) -> None:
+    over = run_day(day, P1)
+    said = told(over)
+    numbers = re.findall(r"\((\d+)\)", said[said.index("Refused:") : said.index(" All chargers")])
+    assert sum(map(int, numbers)) == totals(over).refused == 48
+    assert "arrives after the last interval has begun (7)" in said
+    busy = sum(step.plan.charging[0] == 12 for step in over.steps)
+    assert f"All chargers were in use in {busy} of 24 hours; the feeder was full in" in said
+    few = told(run_day(start_day(edit_scenario(day.scenario, {"station.chargers": 2})), P1))
+    assert "the feeder was never full" in few
+    nobody = start_day(edit_scenario(day.scenario, {"station.chargers": 0}))
+    assert told(nobody).endswith("The station has no chargers.")
+    assert "every one" not in told(run_day(nobody, P1))
+    two = start_day(edit_scenario(day.scenario, {"station.chargers": 2}))
+    assert "limits nothing: it leaves at least 61 kW, and 2 chargers can draw 38 kW" in told(two)
+
+
+def test_limits_exceeded_in_ac_are_told_at_the_head_of_the_page(day: Trace) -> None:
+    by_station = Breach(18, "line:633-634", 9.4, 0.0, "kVA", 1e-3)
+    own = Breach(19, "voltage_min:652", 0.01, 0.01, "pu", 1e-6)
+    points = {18: point(by_station), 19: point(own), 20: point()}
+    assert "the station exceeds a limit in 1 interval;" in ac_told(points)
+    assert ac_told({19: point(own), 20: point()}) == ""
 
 
 def test_the_decision_names_who_was_refused_and_why(day: Trace) -> None:

@@ -106,13 +106,18 @@ def told(figure: Figure, value: float | None) -> str:
 
 
 def difference(figure: Figure, base: float | None, value: float | None) -> str:
-    """How far a value is from the one compared against, with its sign."""
+    """How far a value is from the one compared against, with its sign: of both as they are told."""
     if base is None or value is None:
         return "–"
-    shown = f"{abs(value - base):{figure.form}}"
-    if not shown.strip("0.,"):
+    apart = _as_told(figure, value) - _as_told(figure, base)
+    if not apart:
         return "="
-    return f"{'+' if value > base else '−'}{'&#36;' if figure.dollars else ''}{shown}"
+    sign = "+" if apart > 0 else "−"
+    return f"{sign}{'&#36;' if figure.dollars else ''}{abs(apart):{figure.form}}"
+
+
+def _as_told(figure: Figure, value: float) -> float:
+    return float(f"{value:{figure.form}}".replace(",", ""))
 
 
 def in_words(base: KeyFigures, other: KeyFigures, name: str, against: str) -> str:

@@ -28,6 +28,7 @@ from evdash.ui.settings import (
     option_controls,
     price_field,
     prices_from_now,
+    setting_labels,
 )
 from evdash.ui.words import clock, plain
 
@@ -59,7 +60,8 @@ def take_edits(session: Session) -> None:
         take_curve(session, new.pop(CURVE))
     settings = {c.key: c for c in all_controls(session.run.trace.scenario) if c.key in new}
     if settings:
-        title = ", ".join(f"{plain(c.label)} {new[key]:g}" for key, c in settings.items())
+        labels = setting_labels(session.run.trace.scenario)
+        title = ", ".join(f"{plain(labels[key])} {new[key]:g}" for key in settings)
         session.edit(title, {key: new[key] for key in settings})
     show_truth(session, st.session_state)
 

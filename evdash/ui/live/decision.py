@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from evdash.ui.parts import small_table, table_below, view
+from evdash.ui.parts import small_table, view
 from evdash.ui.reasons import (
     refused_latest_first,
     told_binding,
@@ -16,6 +16,7 @@ from evdash.ui.words import (
     clock,
     decision_lines,
     decision_title,
+    plain,
 )
 
 
@@ -34,7 +35,11 @@ def decision(session: Session) -> None:
         if last.requests:
             rows = session.once("requests", lambda: _requests(session))
             small_table(rows, height=290)
-            table_below("requests", lambda: _reasons(session), "All answers in full")
+            box = st.expander(
+                "All answers in full", key="table_requests", type="compact", on_change="rerun"
+            )
+            if box.open:
+                box.markdown(_reasons(session))
         why(session)
         told_below("revision", "What changed from the plan before", trace, told_revision)
         told_below("binding", "What binds, and when", trace, told_binding)
@@ -72,13 +77,14 @@ def _requests(session: Session) -> list[dict[str, object]]:
     ]
 
 
-def _reasons(session: Session) -> list[dict[str, object]]:
-    plan = session.run.trace.steps[-1].plan
-    reasons = {refusal.vehicle: refusal.reason for refusal in plan.refused}
-    return [
-        {"Vehicle": row["Vehicle"], "Why not": reasons.get(str(row["Vehicle"]), "admitted")}
-        for row in _requests(session)
-    ]
+def _reasons(session: Session) -> str:
+    """Every answer of the last step, as a list: the column is too narrow for a table."""
+    step = session.run.trace.steps[-1]
+    reasons = {refusal.vehicle: refusal.reason for refusal in step.plan.refused}
+    return "\n".join(
+        f"- **{plain(request.vehicle)}**: {plain(reasons.get(request.vehicle, 'admitted'))}"
+        for request in step.requests
+    )
 
 
 def why(session: Session) -> None:

@@ -4,14 +4,10 @@ import streamlit as st
 
 from evdash.metrics.totals import totals
 from evdash.ui.parts import table, view
+from evdash.ui.referee import referee
 from evdash.ui.session import Session
-from evdash.ui.words import (
-    clock,
-    counted,
-    money,
-    plain,
-    story,
-)
+from evdash.ui.story import ac_told, story
+from evdash.ui.words import clock, counted, money, plain
 
 
 def headline(session: Session) -> None:
@@ -19,7 +15,7 @@ def headline(session: Session) -> None:
     trace, ahead = session.run.trace, view(session)
     sums = session.once("totals", lambda: totals(trace))
     with st.container(key="sentence"):
-        st.markdown(story(trace, ahead, sums))
+        st.markdown(story(trace, ahead, sums) + ac_told(referee.findings(trace)))
 
 
 def answer(session: Session) -> None:
@@ -86,7 +82,8 @@ def key_figures(session: Session) -> None:
             "Revenue",
             money(sums.revenue),
             "contracts so far",
-            "What all admitted drivers pay, in full, for contracts made so far.",
+            "What all admitted drivers pay for contracts made so far: for the whole contract, or, "
+            "where it was broken or cut short, for what was delivered.",
         ),
         ("Energy cost", money(sums.energy_cost), "energy so far", "Paid for energy drawn so far."),
         ("Profit", money(sums.profit), "revenue less cost", "Revenue less energy cost so far."),

@@ -8,6 +8,7 @@ from evdash.charts.schedule import schedule_alt, schedule_figure, schedule_table
 from evdash.ui.glossary import meaning
 from evdash.ui.parts import chart, table_below, view
 from evdash.ui.session import Session
+from evdash.ui.words import counted
 
 
 def schedule(session: Session) -> None:
@@ -41,6 +42,9 @@ def admissions(session: Session) -> None:
         lambda: admissions_figure(trace, ahead),
         admissions_alt(trace, ahead),
     )
+    late = len(trace.inputs.requests[ahead.n_intervals]) if trace.is_over else 0
+    if late:
+        st.caption(f"{counted(late, 'more vehicle')} came once the last interval had begun.")
     table_below("admissions", lambda: admissions_table(trace, ahead))
 
 

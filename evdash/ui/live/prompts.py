@@ -51,10 +51,14 @@ def outcome(session: Session) -> None:
         return
     with st.container(key="outcome", border=True):
         with st.container(horizontal=True, vertical_alignment="center"):
-            st.markdown(f"**{plain(prompted.label)}:** in force from now on. Undo takes it back.")
+            since = FOR_NEXT_RUN if prompted.is_for_next_run else "in force from now on"
+            st.markdown(f"**{plain(prompted.label)}:** {since}. Undo takes it back.")
             st.button("Close", on_click=session.dismiss, key="dismiss", type="tertiary")
         with st.spinner("Running both days to their end …"):
             small_table(prompted.effects, height=320)
+
+
+FOR_NEXT_RUN = "in force when the day is run again; Reset, and step, to see it hour by hour"
 
 
 @st.dialog("Add a PEV now")
@@ -94,6 +98,10 @@ def add_pev(session: Session) -> None:
             st.error("; ".join(plain(f"{e['loc'][0]}: {e['msg']}") for e in error.errors()))
             return
         session.visit(guest)
+        if session.run.answer is None:
+            st.toast(
+                f"{plain(guest.vehicle)} asks for a charge in the coming interval: press Step."
+            )
         st.rerun()
 
 

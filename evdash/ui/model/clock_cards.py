@@ -3,7 +3,7 @@
 from evdash.horizon.advance import advance
 from evdash.horizon.requests import need_kwh, promised_intervals
 from evdash.ui.model.card import NOBODY, Card, Filled, Numbers
-from evdash.ui.model.tex import number
+from evdash.ui.model.tex import lines, number
 from evdash.ui.words import counted, plain
 
 
@@ -54,9 +54,10 @@ def next_interval(n: Numbers) -> Filled:
     if v is None or not v.admitted:
         return "", "Without a contract nothing is carried on to the next interval."
     left = v.owed_kwh - v.delivered_now_kwh
-    tex = (
+    tex = lines(
         rf"s \leftarrow {number(v.owed_kwh)} - {number(v.delivered_now_kwh)} = {number(left)}\ "
-        rf"\text{{kWh}},\qquad a \leftarrow {v.intervals_left} - 1 = {v.intervals_left - 1}"
+        r"\text{kWh}",
+        rf"a \leftarrow {v.intervals_left} - 1 = {v.intervals_left - 1}",
     )
     said = f"still owed {left:,.1f} kWh" if left > 0.05 else "fully charged"
     return tex, f"After {n.span} {plain(v.request.vehicle)} is {said}."

@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-MOST_TERMS = 5
+MOST_TERMS = 4
+"""Of as many as fit a card on a laptop, three columns beside each other."""
 
 
 def number(value: float, digits: int = 1) -> str:
@@ -24,8 +25,13 @@ def total(terms: Sequence[float], digits: int = 1) -> str:
     """A sum written out, shortened in the middle where it is long; 0 where it is empty."""
     shown = [number(term, digits) for term in terms]
     if len(shown) > MOST_TERMS:
-        shown = [*shown[: MOST_TERMS - 1], r"\cdots", shown[-1]]
+        shown = [*shown[: MOST_TERMS - 2], r"\cdots", shown[-1]]
     return " + ".join(shown) or "0"
+
+
+def lines(*formulas: str) -> str:
+    """Formulas one below the other, where beside each other they would be cut off."""
+    return r"\begin{gathered}" + r"\\".join(formulas) + r"\end{gathered}"
 
 
 def usd(value: float) -> str:

@@ -36,9 +36,22 @@ def answer(found: Found, rows: list[Band], metric: str) -> str:
         return f"{measure.title} is the same everywhere: {told(best)}."
     names = (*found.runs.axes, "policy", "network")
     varied = [i for i in range(len(names)) if len({band.group[i] for band in mine}) > 1]
-    where = ", ".join(f"{plain(names[i])} **{plain(f'{best.group[i]}')}**" for i in varied)
+    where = ", ".join(
+        f"{plain(names[i])} **{plain(f'{best.group[i]}')}**"
+        + edge(best.group[i], {band.group[i] for band in mine})
+        for i in varied
+    )
     word = "lowest" if is_less_better(metric) else "highest"
     return f"{measure.title} is {word} at {where}: **{told(best)}**{spread(best)}."
+
+
+def edge(best: object, tried: set[object]) -> str:
+    """Whether the best may lie beyond what was tried: of numbers, the least or the most of them."""
+    numbers = [value for value in tried if isinstance(value, int | float)]
+    if len(numbers) < max(2, len(tried)):
+        return ""
+    ends = {max(numbers): " (the most tried)", min(numbers): " (the least tried)"}
+    return next((words for end, words in ends.items() if end == best), "")
 
 
 def told(band: Band) -> str:

@@ -1,0 +1,117 @@
+"""The run so far and what is ahead, in a few sentences: the head of the Live page."""
+
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+
+from evdash.domain.outlook import Outlook
+from evdash.domain.trace import Trace
+from evdash.metrics.ac import AcPoint
+from evdash.metrics.totals import Totals
+from evdash.ui.words import clock, counted, element_words, money, plain
+
+FULL = 0.999
+"""So much of its headroom in use, the feeder counts as full."""
+
+
+def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
+    """How many were admitted and why not the others, what limited charging or will."""
+    if not trace.steps:
+        return f"**The day is about to begin.** {_limit_ahead(trace, outlook)}"
+    admitted = f"**{totals.admitted:,} of {counted(totals.arrived, 'PEV')} admitted**"
+    if trace.is_over:
+        return (
+            f"**The day is over:** {admitted}{_kept(totals)}; "
+            f"{totals.energy_delivered_kwh:,.0f}\u00a0kWh delivered for a profit of "
+            f"{money(totals.profit)}. {_why_not(trace)}{_limits_behind(trace, outlook)}"
+        )
+    charging = int(trace.steps[-1].plan.charging[0])
+    return f"{admitted}, {charging} charging. {_limit_ahead(trace, outlook)}"
+
+
+def ac_told(found: Mapping[int, AcPoint]) -> str:
+    """In how many intervals the station exceeds a limit in AC, as a further sentence, if any."""
+    exceeded = sum(
+        point.checked and (not point.solved or any(b.by_station for b in point.breaches))
+        for point in found.values()
+    )
+    if not exceeded:
+        return ""
+    return (
+        f" :red[:material/warning: In AC power flow the station exceeds a limit in "
+        f"{counted(exceeded, 'interval')}; under Voltages it says which.]"
+    )
+
+
+def _kept(totals: Totals) -> str:
+    if totals.broken:
+        return f", :red[{counted(totals.broken, 'contract')} broken]"
+    return ", every one charged in full and on time" if totals.admitted else ""
+
+
+def _why_not(trace: Trace) -> str:
+    """All refusals of a day that is over, by reason without its figures."""
+    refused = [refusal.reason for step in trace.steps for refusal in step.plan.refused]
+    refused += [late.refusal for late in trace.inputs.requests[trace.scenario.intervals]]
+    reasons = Counter(reason.partition(":")[0] for reason in refused).most_common()
+    if not reasons:
+        return ""
+    told = ", ".join(f"{plain(reason)}\u00a0({number:,})" for reason, number in reasons)
+    return f"Refused: {told}. "
+
+
+def _limit_ahead(trace: Trace, outlook: Outlook) -> str:
+    ahead = outlook.headroom_kw[outlook.now :]
+    station = trace.scenario.station
+    if not station.chargers:
+        return "The station has no chargers."
+    if not np.isfinite(ahead).any():
+        return "The feeder sets no limit to charging."
+    least_kw, most_kw = float(ahead.min()), station.chargers * station.max_kw
+    if least_kw >= most_kw:
+        return (
+            f"From now on the feeder limits nothing: it leaves at least {least_kw:,.0f}\u00a0kW, "
+            f"and {counted(station.chargers, 'charger')} can draw {most_kw:,.0f}\u00a0kW at most."
+        )
+    t = int(outlook.headroom_kw.argmin())
+    when, room = f"**{clock(outlook.times[t], outlook)}**", f"{outlook.headroom_kw[t]:,.0f}\u00a0kW"
+    if t < outlook.now:
+        return (
+            f"The feeder's tightest hour is behind: {when} left {room}. From now on it leaves at "
+            f"least {least_kw:,.0f}\u00a0kW."
+        )
+    limit = (
+        f"{_capital(element_words(outlook.binding[t], trace.scenario))} is the feeder's tightest"
+    )
+    room = f"{room} left for charging"
+    if t == outlook.now:
+        return f"{limit} limit, and now is its tightest hour: {room}."
+    return f"{limit} limit; {when} will be its tightest hour, {room}."
+
+
+def _limits_behind(trace: Trace, outlook: Outlook) -> str:
+    """In how many intervals chargers and feeder were used up."""
+    busy = 0
+    for step in trace.steps:
+        chargers = step.inputs.scenario.station.chargers
+        busy += 0 < chargers <= step.plan.charging[0]
+    hourly = trace.scenario.interval_minutes == 60
+    of_all = f"of {counted(outlook.n_intervals, 'hour' if hourly else 'interval')}"
+    used = f"All chargers were in use in {busy} {of_all}" if busy else "Chargers were always free"
+    headroom_kw = outlook.headroom_kw
+    full = np.flatnonzero(outlook.station_kw >= FULL * headroom_kw)
+    if not trace.scenario.station.chargers:
+        return "The station has no chargers."
+    if not full.size:
+        return f"{used}; the feeder was never full."
+    t = int(full[headroom_kw[full].argmin()])
+    element = element_words(outlook.binding[t], trace.scenario)
+    return (
+        f"{used}; the feeder was full in {full.size}{'' if busy else f' {of_all}'}: at "
+        f"{clock(outlook.times[t], outlook)} {element} left {headroom_kw[t]:,.0f}\u00a0kW."
+    )
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
