@@ -16,7 +16,7 @@ controls.sidebar(session, parts.view(session))
 with st.container(key="live"):
     toolbar(session)
     head.headline(session)
-    progress = st.container()
+    overload, progress = st.container(key="overload"), st.container()
     head.answer(session)
     ledger.notice(session)
     prompts.case_panel()
@@ -35,6 +35,8 @@ with left:
 with right:
     panels.load(session)
 voltages.voltages(session)
+with overload:
+    head.overload(session)
 ledger.ledger(session)
 with progress:
     drive.finish(session)

@@ -31,7 +31,7 @@ def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
 
 
 def ac_told(found: Mapping[int, AcPoint]) -> str:
-    """In how many intervals the station exceeds a limit in AC, as a further sentence, if any."""
+    """In how many intervals the station exceeds a limit in AC, if in any."""
     exceeded = sum(
         point.checked and (not point.solved or any(b.by_station for b in point.breaches))
         for point in found.values()
@@ -39,7 +39,7 @@ def ac_told(found: Mapping[int, AcPoint]) -> str:
     if not exceeded:
         return ""
     return (
-        f" :red[:material/warning: In AC power flow the station exceeds a limit in "
+        f":red[:material/warning: In AC power flow the station exceeds a limit in "
         f"{counted(exceeded, 'interval')}; under Voltages it says which.]"
     )
 

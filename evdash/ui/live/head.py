@@ -15,7 +15,13 @@ def headline(session: Session) -> None:
     trace, ahead = session.run.trace, view(session)
     sums = session.once("totals", lambda: totals(trace))
     with st.container(key="sentence"):
-        st.markdown(story(trace, ahead, sums) + ac_told(referee.findings(trace)))
+        st.markdown(story(trace, ahead, sums))
+
+
+def overload(session: Session) -> None:
+    """What AC power flow found wrong; once the voltages are drawn, which wait for it a little."""
+    if told := ac_told(referee.findings(session.run.trace)):
+        st.markdown(told)
 
 
 def answer(session: Session) -> None:
