@@ -38,7 +38,11 @@ MARGIN = {"l": 66, "r": 16, "t": 58, "b": 48}
 AS_IT_IS = {"ticklabeloverflow": "allow", "tickangle": 0}
 """Plotly measures no label to find out whether to turn or hide it."""
 COLORBAR = {"thickness": 14, "outlinewidth": 0}
-CONFIG = {"displaylogo": False, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
+CONFIG = {
+    "displaylogo": False,
+    # what has no use here, or another button does: the bar lies over legends when it shows
+    "modeBarButtonsToRemove": ["select2d", "lasso2d", "zoomIn2d", "zoomOut2d", "autoScale2d"],
+}
 
 
 def safe(text: str) -> str:
