@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from evdash.domain.outlook import Outlook
-from evdash.domain.trace import Trace
+from evdash.domain.trace import Network, Trace
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.totals import Totals
 from evdash.ui.words import clock, counted, element_words, money, plain
@@ -30,7 +30,7 @@ def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
     return f"{admitted}, {charging} charging. {_limit_ahead(trace, outlook)}"
 
 
-def ac_told(found: Mapping[int, AcPoint]) -> str:
+def ac_told(found: Mapping[int, AcPoint], network: Network) -> str:
     """In how many intervals the station exceeds a limit in AC, if in any."""
     exceeded = sum(
         point.checked and (not point.solved or any(b.by_station for b in point.breaches))
@@ -38,9 +38,10 @@ def ac_told(found: Mapping[int, AcPoint]) -> str:
     )
     if not exceeded:
         return ""
+    remedy = " With limits kept in **Full AC** it does not." if network == "lindistflow" else ""
     return (
-        f":red[:material/warning: In AC power flow the station exceeds a limit in "
-        f"{counted(exceeded, 'interval')}; under Voltages it says which.]"
+        f":red[:material/warning: By AC power flow, which knows losses, the station exceeds a "
+        f"limit in {counted(exceeded, 'interval')}: see Voltages below.{remedy}]"
     )
 
 
@@ -109,7 +110,7 @@ def _limits_behind(trace: Trace, outlook: Outlook) -> str:
     element = element_words(outlook.binding[t], trace.scenario)
     return (
         f"{used}; the feeder was full in {full.size}{'' if busy else f' {of_all}'}: at "
-        f"{clock(outlook.times[t], outlook)} {element} left {headroom_kw[t]:,.0f}\u00a0kW."
+        f"{clock(outlook.times[t], outlook)} {element} allowed just {headroom_kw[t]:,.0f}\u00a0kW."
     )
 
 

@@ -80,8 +80,10 @@ def test_limits_exceeded_in_ac_are_told_at_the_head_of_the_page(day: Trace) -> N
     by_station = Breach(18, "line:633-634", 9.4, 0.0, "kVA", 1e-3)
     own = Breach(19, "voltage_min:652", 0.01, 0.01, "pu", 1e-6)
     points = {18: point(by_station), 19: point(own), 20: point()}
-    assert "the station exceeds a limit in 1 interval;" in ac_told(points)
-    assert ac_told({19: point(own), 20: point()}) == ""
+    assert "the station exceeds a limit in 1 interval:" in ac_told(points, "lindistflow")
+    assert "Full AC" in ac_told(points, "lindistflow")
+    assert "Full AC" not in ac_told(points, "ac")
+    assert ac_told({19: point(own), 20: point()}, "lindistflow") == ""
 
 
 def test_the_decision_names_who_was_refused_and_why(day: Trace) -> None:

@@ -20,7 +20,8 @@ def headline(session: Session) -> None:
 
 def overload(session: Session) -> None:
     """What AC power flow found wrong; once the voltages are drawn, which wait for it a little."""
-    if told := ac_told(referee.findings(session.run.trace)):
+    trace = session.run.trace
+    if told := ac_told(referee.findings(trace), trace.inputs.network):
         st.markdown(told)
 
 
