@@ -93,17 +93,18 @@ def _limit_ahead(trace: Trace, outlook: Outlook) -> str:
 
 def _limits_behind(trace: Trace, outlook: Outlook) -> str:
     """In how many intervals chargers and feeder were used up."""
-    busy = 0
-    for step in trace.steps:
-        chargers = step.inputs.scenario.station.chargers
-        busy += 0 < chargers <= step.plan.charging[0]
+    chargers = [step.inputs.scenario.station.chargers for step in trace.steps]
+    if not any(chargers):
+        return "The station has no chargers."
+    busy = sum(
+        0 < there <= step.plan.charging[0]
+        for there, step in zip(chargers, trace.steps, strict=True)
+    )
     hourly = trace.scenario.interval_minutes == 60
     of_all = f"of {counted(outlook.n_intervals, 'hour' if hourly else 'interval')}"
-    used = f"All chargers were in use in {busy} {of_all}" if busy else "Chargers were always free"
+    used = f"All chargers were in use in {busy} {of_all}" if busy else "A charger was always free"
     headroom_kw = outlook.headroom_kw
     full = np.flatnonzero(outlook.station_kw >= FULL * headroom_kw)
-    if not trace.scenario.station.chargers:
-        return "The station has no chargers."
     if not full.size:
         return f"{used}; the feeder was never full."
     t = int(full[headroom_kw[full].argmin()])

@@ -12,6 +12,7 @@ from evdash.files.bundled import DEFAULT
 from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day, step
+from evdash.horizon.revise import revise
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.outlook import outlook
 from evdash.metrics.totals import totals
@@ -74,6 +75,14 @@ def test_a_day_that_is_over_says_why_everyone_was_refused_and_what_was_used_up(d
     assert "every one" not in told(run_day(nobody, P1))
     two = start_day(edit_scenario(day.scenario, {"station.chargers": 2}))
     assert "limits nothing: it leaves at least 61 kW, and 2 chargers can draw 38 kW" in told(two)
+
+
+def test_a_day_that_is_over_is_told_as_it_was_whatever_is_set_for_its_next_run(day: Trace) -> None:
+    over = run_day(day, P1)
+    without = revise(over, edit_scenario(over.scenario, {"station.chargers": 0}))
+    assert (
+        told(without).partition("All chargers")[2] == told(over).partition("All chargers")[2] != ""
+    )
 
 
 def test_limits_exceeded_in_ac_are_told_at_the_head_of_the_page(day: Trace) -> None:

@@ -50,8 +50,9 @@ def edge(best: object, tried: set[object]) -> str:
     numbers = [value for value in tried if isinstance(value, int | float)]
     if len(numbers) < max(2, len(tried)):
         return ""
-    ends = {max(numbers): " (the most tried)", min(numbers): " (the least tried)"}
-    return next((words for end, words in ends.items() if end == best), "")
+    if best == max(numbers):
+        return " (the most tried)"
+    return " (the least tried)" if best == min(numbers) else ""
 
 
 def told(band: Band) -> str:
