@@ -13,7 +13,12 @@ from evdash.explain.binding import binding_told
 from evdash.files.explanation_table import DayExplained
 from evdash.files.run_export import RunLabel, Verdict
 from evdash.metrics.ledger import LedgerEntry, ledger
-from evdash.metrics.records import IntervalRecord, interval_records, vehicle_records
+from evdash.metrics.records import (
+    IntervalRecord,
+    interval_records,
+    refused_by_reason,
+    vehicle_records,
+)
 from evdash.metrics.totals import Totals, totals
 
 SHOWN = 6
@@ -119,14 +124,9 @@ def _solves_p1(trace: Trace) -> bool:
 
 
 def _print_reasons(console: Console, trace: Trace) -> None:
-    """Refusals by reason; the part before a colon groups what differs only in numbers."""
-    counts: dict[str, int] = {}
-    for record in vehicle_records(trace):
-        if record.status == "refused":
-            kind = record.reason.split(":")[0]
-            counts[kind] = counts.get(kind, 0) + 1
-    for reason, count in sorted(counts.items(), key=lambda item: -item[1]):
-        console.print(f"  {count:>4} refused: {escape(reason)}", soft_wrap=True)
+    """Refusals by reason."""
+    for reason, records in refused_by_reason(vehicle_records(trace)).items():
+        console.print(f"  {len(records):>4} refused: {escape(reason)}", soft_wrap=True)
 
 
 def _print_happenings(console: Console, trace: Trace) -> None:

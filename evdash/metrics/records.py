@@ -1,6 +1,6 @@
 """What happened, read off a trace: a record for each interval and each vehicle."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal
@@ -135,6 +135,18 @@ def vehicle_records(trace: Trace) -> tuple[VehicleRecord, ...]:
             refusal, need = request.refusal, request.need_kwh
             records.append(VehicleRecord(request, "refused", refusal, 0.0, None, need))
     return tuple(records)
+
+
+def refused_by_reason(vehicles: Iterable[VehicleRecord]) -> dict[str, list[VehicleRecord]]:
+    """Who was refused, by reason, most vehicles first; what differs in numbers only is one reason.
+
+    The numbers of a reason stand after its colon.
+    """
+    groups: dict[str, list[VehicleRecord]] = {}
+    for record in vehicles:
+        if record.status == "refused":
+            groups.setdefault(record.reason.partition(":")[0], []).append(record)
+    return dict(sorted(groups.items(), key=lambda item: -len(item[1])))
 
 
 def contracts_revised(trace: Trace) -> dict[str, Contract]:

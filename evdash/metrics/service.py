@@ -17,6 +17,7 @@ from evdash.metrics.records import (
     VehicleRecord,
     executed_power,
     executed_station_kw,
+    refused_by_reason,
     vehicle_records,
 )
 from evdash.metrics.totals import Totals, totals
@@ -182,11 +183,10 @@ def acceptance_by_option(vehicles: Sequence[VehicleRecord]) -> dict[str, float |
 
 def refused_kwh_by_reason(vehicles: Sequence[VehicleRecord]) -> dict[str, float]:
     """Energy refused, kWh, by reason, most first; what differs in numbers only is one reason."""
-    refused: dict[str, float] = {}
-    for record in vehicles:
-        if record.status == "refused":
-            reason = record.reason.split(":")[0]
-            refused[reason] = refused.get(reason, 0.0) + record.request.need_kwh
+    refused = {
+        reason: sum(record.request.need_kwh for record in records)
+        for reason, records in refused_by_reason(vehicles).items()
+    }
     return dict(sorted(refused.items(), key=lambda item: -item[1]))
 
 

@@ -15,7 +15,7 @@ from evdash.metrics.durations import Beyond, above, below
 from evdash.metrics.feeder import violations
 from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.outlook import spans_in_force
-from evdash.metrics.records import VehicleRecord, vehicle_records
+from evdash.metrics.records import refused_by_reason, vehicle_records
 from evdash.metrics.service import Service, service
 from evdash.reports.account import Account
 from evdash.reports.words import CAUSES, depth_words, violation_words
@@ -79,11 +79,7 @@ def option_rows(account: Account) -> list[Row]:
 
 
 def reason_rows(account: Account) -> list[Row]:
-    """Refusals by reason; the part before a colon groups what differs only in numbers."""
-    groups: dict[str, list[VehicleRecord]] = {}
-    for record in vehicle_records(account.trace):
-        if record.status == "refused":
-            groups.setdefault(record.reason.split(":")[0], []).append(record)
+    """Refusals by reason."""
     return [
         {
             "Reason": reason,
@@ -91,7 +87,7 @@ def reason_rows(account: Account) -> list[Row]:
             "Energy refused, kWh": round(sum(r.request.need_kwh for r in records), 1),
             "For example": f"{records[0].vehicle}: {records[0].reason}",
         }
-        for reason, records in sorted(groups.items(), key=lambda item: -len(item[1]))
+        for reason, records in refused_by_reason(vehicle_records(account.trace)).items()
     ]
 
 

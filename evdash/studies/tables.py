@@ -81,7 +81,7 @@ def reference_bands(found: Found) -> list[Band]:
             pairs = [
                 (found.value(run, metric), found.value(base[run.seed], metric)) for run in runs
             ]
-            differences = [a - b if None not in (a, b) else None for a, b in pairs]  # type: ignore[operator]
+            differences = [None if a is None or b is None else a - b for a, b in pairs]
             told += _band(group.cells, metric, differences)
     return told
 

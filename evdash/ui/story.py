@@ -1,6 +1,5 @@
 """The run so far and what is ahead, in a few sentences: the head of the Live page."""
 
-from collections import Counter
 from collections.abc import Mapping
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from evdash.domain.outlook import Outlook
 from evdash.domain.trace import Network, Trace
 from evdash.metrics.ac import AcPoint
+from evdash.metrics.records import refused_by_reason, vehicle_records
 from evdash.metrics.totals import Totals
 from evdash.ui.words import clock, counted, element_words, money, plain
 
@@ -52,14 +52,12 @@ def _kept(totals: Totals) -> str:
 
 
 def _why_not(trace: Trace) -> str:
-    """All refusals of a day that is over, by reason without its figures."""
-    refused = [refusal.reason for step in trace.steps for refusal in step.plan.refused]
-    refused += [late.refusal for late in trace.inputs.requests[trace.scenario.intervals]]
-    reasons = Counter(reason.partition(":")[0] for reason in refused).most_common()
-    if not reasons:
-        return ""
-    told = ", ".join(f"{plain(reason)}\u00a0({number:,})" for reason, number in reasons)
-    return f"Refused: {told}. "
+    """All refusals of a day that is over, by reason."""
+    told = ", ".join(
+        f"{plain(reason)}\u00a0({len(records):,})"
+        for reason, records in refused_by_reason(vehicle_records(trace)).items()
+    )
+    return f"Refused: {told}. " if told else ""
 
 
 def _limit_ahead(trace: Trace, outlook: Outlook) -> str:

@@ -15,7 +15,7 @@ def headline(session: Session) -> None:
     trace, ahead = session.run.trace, view(session)
     sums = session.once("totals", lambda: totals(trace))
     with st.container(key="sentence"):
-        st.markdown(story(trace, ahead, sums))
+        st.markdown(session.once("story", lambda: story(trace, ahead, sums)))
 
 
 def overload(session: Session) -> None:

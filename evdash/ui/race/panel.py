@@ -1,5 +1,7 @@
 """Race policies: who takes part, how far it is, and what it showed."""
 
+from functools import partial
+
 import streamlit as st
 
 from evdash.charts.drawn import Drawn
@@ -197,7 +199,7 @@ def _files(race: Race) -> None:
         ):
             st.download_button(
                 label,
-                data=lambda text=text: text(race),  # type: ignore[misc]
+                data=partial(text, race),
                 file_name=f"race-{name}",
                 mime="text/csv",
                 on_click="ignore",
