@@ -20,7 +20,7 @@ STYLE = """
   font-variant-numeric: tabular-nums; }
 .st-key-sentence p { font-size: 1.2rem; line-height: 1.35; }
 .st-key-live { gap: .5rem; }
-.st-key-outcome { padding-bottom: 1rem; gap: .4rem; }
+.st-key-outcome { gap: .4rem; }
 .st-key-prompts button { min-height: 2rem; padding: .1rem .6rem; }
 .st-key-figures [data-testid="stMetricLabel"] { min-height: 1.2rem; }
 .st-key-schedule, .st-key-decision { gap: .4rem; }
@@ -30,6 +30,7 @@ STYLE = """
 [data-testid="stMarkdownContainer"] table { width: 100%; font-size: .9rem; margin: 0; }
 [data-testid="stMarkdownContainer"] :is(th, td) { padding: .22rem .45rem;
   white-space: nowrap; }
+.st-key-outcome table { margin-bottom: 1rem; }
 .st-key-figures [data-testid="stMetricValue"] { font-variant-numeric: tabular-nums; }
 .st-key-fetch, [data-testid="stLayoutWrapper"]:has(> .st-key-fetch) { display: none; }
 @media screen { [data-testid="stLayoutWrapper"]:has(> .st-key-on_paper) { display: none; } }
