@@ -12,6 +12,7 @@ from collections import OrderedDict
 from collections.abc import Hashable
 from typing import Protocol
 
+from evdash.domain.digest import digest
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Step, Trace
 from evdash.metrics.ac import AcPoint, unchecked_point
@@ -118,16 +119,16 @@ class Referee:
 
 
 class Digests:
-    """Digests of the latest scenarios' feeders: every node is hashed once, not at each step."""
+    """Digests of the latest scenarios' feeders: every node is read once, not at each step."""
 
     def __init__(self) -> None:
-        self._known: OrderedDict[int, tuple[Scenario, int]] = OrderedDict()
+        self._known: OrderedDict[int, tuple[Scenario, bytes]] = OrderedDict()
 
-    def of(self, scenario: Scenario) -> int:
+    def of(self, scenario: Scenario) -> bytes:
         """A digest of all that an AC power flow is built from."""
         known = self._known.get(id(scenario))
         if known is None:
-            known = (scenario, hash(feeder_key(scenario)))
+            known = (scenario, digest(feeder_key(scenario)))
             self._known[id(scenario)] = known  # holds the scenario, so that its id stays its own
             while len(self._known) > MOST_DIGESTS:
                 self._known.popitem(last=False)

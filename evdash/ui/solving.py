@@ -1,11 +1,11 @@
 """One optimiser for everyone on this server: fair turns, and nothing solved twice."""
 
-import hashlib
 import threading
 from collections import OrderedDict, deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from evdash.domain.digest import digest
 from evdash.domain.plan import Plan, Policy, Snapshot
 from evdash.scheduling.p1 import p1_answers, p1_policy
 
@@ -52,7 +52,7 @@ def shared(policy: Policy, turns: Turns, most_plans: int = MOST_PLANS) -> Policy
     lock = threading.Lock()
 
     def remembered(snapshot: Snapshot) -> Plan:
-        key = fingerprint(snapshot)
+        key = digest(snapshot)
         with lock:
             if key in plans:
                 plans.move_to_end(key)
@@ -66,24 +66,6 @@ def shared(policy: Policy, turns: Turns, most_plans: int = MOST_PLANS) -> Policy
         return plan
 
     return remembered
-
-
-def fingerprint(snapshot: Snapshot) -> bytes:
-    """A digest of everything a snapshot says; floats in full precision."""
-    rows = snapshot.rows
-    said = (
-        snapshot.now,
-        snapshot.interval_hours,
-        snapshot.chargers,
-        snapshot.contracts,
-        snapshot.requests,
-        rows.elements,
-    )
-    digest = hashlib.blake2b(repr(said).encode(), digest_size=20)
-    for array in (snapshot.price_per_kwh, rows.coefficient, rows.limit_kw, snapshot.tail_kw):
-        digest.update(repr(array.shape).encode())
-        digest.update(array.tobytes())
-    return digest.digest()
 
 
 TURNS = Turns(SLOTS)

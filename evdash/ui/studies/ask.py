@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import streamlit as st
 
+from evdash.domain.digest import digest
 from evdash.domain.scenario import Scenario
 from evdash.domain.study import Axis, Seeds, Study, StudyRuns
 from evdash.errors import Fault, InputError
@@ -188,7 +189,7 @@ def _edited(study: Study) -> Study:
             "Study file",
             text,
             height=260,
-            key=f"study_text_{hash(text)}",
+            key=f"study_text_{digest(text).hex()}",
             help=FILE_HELP,
             label_visibility="collapsed",
         )

@@ -5,6 +5,7 @@ import streamlit as st
 
 from evdash.charts.drawn import Drawn
 from evdash.charts.fleet import fleet_alt, fleet_figure, fleet_table
+from evdash.domain.digest import digest
 from evdash.domain.outlook import Outlook
 from evdash.metrics.records import VehicleRecord, vehicle_records
 from evdash.metrics.vehicles import charging_kw
@@ -112,7 +113,7 @@ def _table(session: Session, shown: tuple[VehicleRecord, ...], ahead: Outlook) -
     now_kw = charging_kw(session.run.trace)
     rows = fleet_table(shown, now_kw, STATUS_CELLS, ahead)
     # another list is another table, so that no row stays marked that is another vehicle's now
-    key = f"vehicles_table:{session.run.trace.now}:{hash(tuple(names))}"
+    key = f"vehicles_table:{session.run.trace.now}:{digest(names).hex()}"
     st.caption("Click a row's box to look at that vehicle.")
     st.dataframe(
         pd.DataFrame(rows),
