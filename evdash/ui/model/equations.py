@@ -90,7 +90,8 @@ def _vehicle(step: Step) -> str | None:
     if not everyone:
         st.caption("Nobody is under contract or asking in this interval.")
         return None
-    running = step.plan.vehicles[int(step.plan.power_kw[:, 0].argmax())] if everyone else ""
+    served = step.plan.vehicles
+    running = served[int(step.plan.power_kw[:, 0].argmax())] if served else ""
     if st.session_state.get("model_vehicle") not in everyone:
         st.session_state["model_vehicle"] = running if running in everyone else everyone[0]
     contracts = {contract.vehicle for contract in step.before.contracts}
