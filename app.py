@@ -37,6 +37,11 @@ if __name__ == "__main__":
     widths.listen(current())
     entry.say_who_is_signed_in()
 else:
-    from evdash.ui import deep_links
+    from evdash.ui import deep_links, own_pages
 
-    app = st.App(__file__, routes=deep_links.routes(Path(__file__).with_name("pages")))
+    app = st.App(
+        __file__,
+        routes=deep_links.routes(Path(__file__).with_name("pages")),
+        middleware=own_pages.MIDDLEWARE,
+        lifespan=own_pages.say_where,
+    )

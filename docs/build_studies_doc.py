@@ -92,14 +92,21 @@ address. Every machine needs this folder, the environment of the README, and
 `requirements-cluster.txt`; from the folder of the program start
 
 ```sh
-python -m distributed.cli.dask_scheduler --port 8786                              # on one machine
-python -m distributed.cli.dask_worker tcp://HOST:8786 --nworkers auto --nthreads 1   # on every one
+# on one machine, HOST being its address on a network that only you reach
+python -m distributed.cli.dask_scheduler --host HOST --port 8786 --dashboard-address 127.0.0.1:0
+# on every one, with its own address in place of OWN
+python -m distributed.cli.dask_worker tcp://HOST:8786 --host OWN --dashboard-address 127.0.0.1:0 \\
+    --nworkers auto --nthreads 1
 python -m evdash study my-study.toml --out studies/a --scheduler tcp://HOST:8786
 ```
 
 A worker with other code or packages than the machine that asks is refused. Results land on the
-machine that asks, as they do from its own cores. Dask's connections are neither encrypted nor
-authenticated unless you configure it so: use it in a network you trust.
+machine that asks, as they do from its own cores.
+
+**Whoever reaches a scheduler or a worker can run any code on its machine.** Dask's connections are
+neither encrypted nor authenticated unless it is given certificates (`--tls-ca-file`, `--tls-cert`,
+`--tls-key`), and without `--host` it listens on all addresses of the machine; its dashboard does
+even then, unless it has an address of its own. On a single machine give `127.0.0.1`.
 
 ## In the app
 

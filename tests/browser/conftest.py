@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from urllib.parse import urlsplit
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
@@ -103,6 +104,16 @@ def server() -> Iterator[str]:
         yield address
 
 
+def _foreign(url: str) -> list[str]:
+    """A complaint where a page asks anything of anybody but this machine."""
+    place = urlsplit(url)
+    at_home = place.scheme in {"data", "blob", "about"} or place.hostname in {
+        "127.0.0.1",
+        "localhost",
+    }
+    return [] if at_home else [f"the page asked {url}"]
+
+
 @contextmanager
 def visiting(browser: Browser, scheme: str = "light") -> Iterator[Page]:
     """A new visitor's page; afterwards it must have had nothing to complain about."""
@@ -119,6 +130,7 @@ def visiting(browser: Browser, scheme: str = "light") -> Iterator[Page]:
             else None
         ),
     )
+    page.on("request", lambda asked: complaints.extend(_foreign(asked.url)))
     yield page
     assert page.locator("[data-testid=stException]").count() == 0
     assert complaints == []

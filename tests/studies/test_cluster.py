@@ -1,9 +1,12 @@
 """The same code on a cluster: a local Dask scheduler with two workers."""
 
+import shlex
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+import psutil
 import pytest
 
 from evdash.errors import EvdashError, InputError
@@ -63,3 +66,61 @@ def test_a_scheduler_without_workers_is_told(tmp_path) -> None:
         pytest.raises(EvdashError, match="no workers"),
     ):
         finished(file, tmp_path / "out", Crew(scheduler=empty.scheduler_address))
+
+
+def dask_commands(text: str) -> list[str]:
+    return [line for line in text.splitlines() if line.startswith("python -m distributed.cli.")]
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/studies.md"])
+def test_every_command_told_says_on_which_address_to_listen(page: str) -> None:
+    """Whoever reaches Dask can run code; left alone, it listens on all addresses."""
+    commands = dask_commands((ROOT / page).read_text(encoding="utf-8"))
+    assert len(commands) == 2
+    for command in commands:
+        assert "--host " in command
+        assert "--dashboard-address 127.0.0.1:0" in command
+
+
+def test_the_commands_of_the_readme_listen_on_this_machine_only() -> None:
+    scheduler, worker = dask_commands((ROOT / "README.md").read_text(encoding="utf-8"))
+    started = [start_dask(scheduler)]
+    try:
+        assert listening(started[0], 1) == {"127.0.0.1"}
+        started.append(start_dask(worker))
+        # of each of two workers its own socket, and that of the nanny who watches it
+        assert listening(started[1], 4) == {"127.0.0.1"}
+    finally:
+        for process in started:
+            end_all(process)
+
+
+def start_dask(command: str) -> subprocess.Popen[bytes]:
+    arguments = [sys.executable, *shlex.split(command)[1:]]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    return subprocess.Popen(arguments, **quiet)
+
+
+def listening(process: subprocess.Popen[bytes], sockets: int) -> set[str]:
+    """Addresses a process and those it began listen on, once it has at least so many sockets."""
+    until = time.monotonic() + 120
+    while time.monotonic() < until:
+        assert process.poll() is None
+        parent = psutil.Process(process.pid)
+        found = [
+            connection.laddr.ip
+            for each in (parent, *parent.children(recursive=True))
+            for connection in each.net_connections("tcp")
+            if connection.status == psutil.CONN_LISTEN
+        ]
+        if len(found) >= sockets:
+            return set(found)
+        time.sleep(0.2)
+    raise AssertionError(f"{process.args} does not listen")
+
+
+def end_all(process: subprocess.Popen[bytes]) -> None:
+    parent = psutil.Process(process.pid)
+    for each in (*parent.children(recursive=True), parent):
+        each.kill()
+    process.wait(30)
