@@ -16,10 +16,11 @@ from evdash.domain.scenario import RecordedArrivals, Scenario
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.files.draft import files_of, read_draft, scenario_of
+from evdash.files.exchange import output_folder
 from evdash.files.folder import read_zip
 from evdash.files.overrides import parse_settings
 from evdash.files.run_export import RunLabel, judge, run_files
-from evdash.files.run_folder import write_run
+from evdash.files.run_folder import is_run, write_run
 from evdash.files.scenario_folder import parse_scenario, scenario_files
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
@@ -116,7 +117,8 @@ def _problems(trace: Trace) -> Iterator[str]:
         yield f"a limit worsened: {verdict.broken_by_station('lindistflow')[0]}"
     files = run_files(trace, verdict, RunLabel("p1", "lindistflow", 1, 0.0))
     with tempfile.TemporaryDirectory() as place:
-        write_run(Path(place) / "run", files)
+        with output_folder(Path(place) / "run", "run", is_run, force=True) as claim:
+            write_run(claim, files)
         for finding in audit_run(Path(place) / "run").findings:
             if not (happened and "a broken promise" in finding):
                 yield f"audit: {finding}"

@@ -14,6 +14,7 @@ from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, InputError
 from evdash.explain.worth import day_worths
 from evdash.files.draft import zipped
+from evdash.files.exchange import put_files
 from evdash.files.overrides import Setting, parse_settings
 from evdash.files.run_export import RunLabel
 from evdash.files.scenario_folder import read_scenario
@@ -21,7 +22,7 @@ from evdash.metrics.ageing import Thermal
 from evdash.policies.registry import RULES
 from evdash.reports.account import Account, account, flows_needed, transformer_of, verdict_on
 from evdash.reports.again import decided_again, earlier_run, is_run_folder
-from evdash.reports.bundle import check_files, write_files
+from evdash.reports.bundle import check_files
 from evdash.reports.html import report_html
 from evdash.reports.network import interval_at, network_json
 from evdash.reports.ocpp import DEFAULT_ZONE, check_zone, profiles_zip
@@ -70,7 +71,7 @@ def export(options: argparse.Namespace) -> int:
         for name, make in OUTPUTS.items()
         if getattr(options, name) is not None
     }
-    write_files(contents)
+    put_files(contents)
     console = Console(highlight=False)
     for path, content in contents.items():
         console.print(f"written to {escape(str(path))} ({len(content):,} bytes)", soft_wrap=True)

@@ -11,8 +11,9 @@ from evdash.cli.options import add_settings
 from evdash.cli.progress import progress_bar
 from evdash.errors import Fault, InputError
 from evdash.files.bundled import DEFAULT
+from evdash.files.exchange import Claim, output_folder
 from evdash.files.overrides import Setting, parse_settings
-from evdash.files.race_folder import check_place, write_race
+from evdash.files.race_folder import is_race, write_race
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.inputs import prepare
 from evdash.horizon.networks import NETWORKS
@@ -72,8 +73,13 @@ def add_race(
 
 def run_race(options: argparse.Namespace) -> int:
     """Race; 3 if a policy that is to keep limits and promises broke one, 0 otherwise."""
-    if options.out is not None:
-        check_place(options.out, options.force)
+    if options.out is None:
+        return _raced(options, None)
+    with output_folder(options.out, "race", is_race, options.force) as claim:
+        return _raced(options, claim)
+
+
+def _raced(options: argparse.Namespace, claim: Claim | None) -> int:
     settings = parse_settings(options.settings)
     if options.seed is not None:
         settings += (Setting("arrivals.seed", options.seed),)
@@ -90,8 +96,8 @@ def run_race(options: argparse.Namespace) -> int:
         raise InputError(
             [Fault(f"--policies {name}", "cannot run", why) for name, why in found.absent.items()]
         )
-    if options.out is not None:
-        write_race(options.out, found)
+    if claim is not None:
+        write_race(claim, found)
     print_race(found, options.out)
     return BROKEN if any(not lap.is_sound for lap in found.laps) else 0
 

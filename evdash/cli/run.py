@@ -12,10 +12,11 @@ from evdash.explain.refusals import Explanation, explained, refused
 from evdash.explain.revisions import explain_revision
 from evdash.explain.worth import day_worths
 from evdash.files.bundled import DEFAULT
+from evdash.files.exchange import Claim, output_folder
 from evdash.files.explanation_table import DayExplained, explanation_files
 from evdash.files.overrides import Setting, parse_settings
 from evdash.files.run_export import RunLabel, judge, run_files
-from evdash.files.run_folder import check_target, write_run
+from evdash.files.run_folder import is_run, write_run
 from evdash.files.scenario_folder import read_scenario
 from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.totals import totals
@@ -30,8 +31,13 @@ BROKEN = 3
 def run(options: argparse.Namespace) -> int:
     """Run a scenario; 3 if a promise or a limit was broken, 0 otherwise."""
     _check_explained(options)
-    if options.out is not None:
-        check_target(options.out, options.force)
+    if options.out is None:
+        return _run(options, None)
+    with output_folder(options.out, "run", is_run, options.force) as claim:
+        return _run(options, claim)
+
+
+def _run(options: argparse.Namespace, claim: Claim | None) -> int:
     began = time.perf_counter()
     settings = parse_settings(options.settings)
     if options.seed is not None:
@@ -46,11 +52,11 @@ def run(options: argparse.Namespace) -> int:
         wall_seconds=time.perf_counter() - began,
     )
     day = _whole_day(trace) if options.explain else None
-    if options.out is not None:
+    if claim is not None:
         files = run_files(trace, verdict, label)
         if day is not None:
             files |= explanation_files(day)
-        write_run(options.out, files)
+        write_run(claim, files)
     print_report(trace, verdict, label, options.out)
     if options.out is None and day is not None:
         print_explanations(trace, day)

@@ -65,11 +65,11 @@ def study(options: argparse.Namespace) -> int:
     """Run or resume a study; 1 if it was stopped or any of its runs failed, 0 otherwise."""
     runs = read_study(options.study)
     folder = StudyFolder(options.out)
-    folder.check()
-    if options.study.resolve() != (folder.path / STUDY).resolve():
-        folder.begin(runs)
+    folder.make()
     try:
         with folder.lock():
+            if options.study.resolve() != (folder.path / STUDY).resolve():
+                folder.begin(runs)
             if options.retry:
                 folder.results.forget_failed()
             stopped = _run(folder, options)

@@ -10,6 +10,8 @@ from typing import IO
 
 from evdash.errors import Fault, InputError
 
+WORKSHOP = ".evdash-writing"
+"""Our own folder inside one that is written to, there only meanwhile: evdash/files/exchange.py."""
 MAX_BYTES = 64 * 1024 * 1024
 MAX_FILES = 50
 RULE = "should be a scenario folder or a .zip of one"
@@ -43,6 +45,10 @@ def _read_directory(path: Path) -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     total = 0
     for entry in sorted(path.iterdir()):
+        if entry.name == WORKSHOP:
+            found = "what an interrupted import left"
+            allowed = "repeat the import: it puts the folder right first"
+            raise InputError([Fault(str(entry), found, allowed)])
         if not entry.is_file():
             found = "a folder" if entry.is_dir() else "something that is not a file"
             raise InputError([Fault(str(entry), found, "a scenario folder holds files only")])

@@ -5,6 +5,7 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 
 from evdash.errors import Fault, InputError
+from evdash.files.exchange import Claim
 from evdash.files.tables import write_table
 from evdash.metrics.declared import figures_of
 from evdash.metrics.service import Service
@@ -12,6 +13,7 @@ from evdash.policies.race import Lap, Race
 
 RACE, POLICIES, INTERVALS = "race.json", "policies.csv", "intervals.csv"
 REFUSALS = "refusals.csv"
+RACE_FILES = (RACE, POLICIES, INTERVALS, REFUSALS)
 FORM = TypeAdapter(Race)
 
 
@@ -93,27 +95,11 @@ def read_race(file: Path) -> Race:
         raise InputError([fault]) from error
 
 
-def check_place(directory: Path, force: bool) -> None:
-    """Refuse a place that must not be written to, before any work is done."""
-    place = f"--out {directory}"
-    if not directory.exists():
-        return
-    if not directory.is_dir():
-        raise InputError([Fault(place, "a file", "should be a folder")])
-    there = {path.name for path in directory.iterdir()}
-    if there - {RACE, POLICIES, INTERVALS, REFUSALS}:
-        allowed = "should be new, empty, or an earlier race's"
-        raise InputError([Fault(place, "a folder with other things in it", allowed)])
-    if there and not force:
-        raise InputError([Fault(place, "an earlier race", "add --force to replace it")])
+def write_race(claim: Claim, race: Race) -> None:
+    """Put a race's files in place of an earlier race's; what else lies there stays as it is."""
+    claim.replace(race_files(race), own=RACE_FILES, last=RACE)
 
 
-def write_race(directory: Path, race: Race) -> None:
-    """Write a race's files."""
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        for name, text in race_files(race).items():
-            (directory / name).write_text(text, encoding="utf-8", newline="")
-    except OSError as error:
-        fault = Fault(f"--out {directory}", f"a place that cannot be written ({error})", "writable")
-        raise InputError([fault]) from error
+def is_race(directory: Path) -> bool:
+    """Whether a folder holds a race."""
+    return (directory / RACE).is_file()

@@ -2,16 +2,20 @@
 
 import hashlib
 import json
-import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from evdash.errors import Fault, InputError
+from evdash.files.exchange import Claim
+from evdash.files.scenario_folder import FILE_NAMES
 
 SUMMARY = "summary.json"
 SCENARIO = "scenario"
 RUN_FORMAT = "evdash run 1"
+TABLES = ("intervals.csv", "vehicles.csv", "ledger.csv", "power.csv", "voltages.csv")
+EXPLAINED = ("explanations.csv", "worths.csv", "binding.csv", "revisions.csv")
+RUN_FILES = (SUMMARY, *TABLES, *EXPLAINED, *(f"{SCENARIO}/{name}" for name in FILE_NAMES))
+"""Every file that a run may have; others in its folder are somebody's own."""
 
 
 def scenario_hash(files: Mapping[str, bytes]) -> str:
@@ -23,62 +27,21 @@ def scenario_hash(files: Mapping[str, bytes]) -> str:
     return digest.hexdigest()
 
 
-def check_target(directory: Path, force: bool) -> None:
-    """Refuse a place that must not be written to, before any work is done."""
-    place = f"--out {directory}"
-    if not directory.exists():
-        return
-    if not directory.is_dir():
-        raise InputError([Fault(place, "a file", "should be a folder")])
-    if not any(directory.iterdir()):
-        return
-    if not _is_run(directory):
-        allowed = "should be new, empty, or an earlier run's"
-        raise InputError([Fault(place, "a folder with other things in it", allowed)])
-    if not force:
-        raise InputError([Fault(place, "an earlier run", "add --force to replace it")])
-
-
-def _is_run(directory: Path) -> bool:
+def is_run(directory: Path) -> bool:
+    """Whether a folder holds a run."""
     try:
         summary = json.loads((directory / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return False
     return isinstance(summary, dict) and summary.get("format") == RUN_FORMAT
 
 
-def write_run(directory: Path, files: Mapping[str, str]) -> None:
-    """Write a run's files, paths relative to `directory`; an earlier run there is replaced.
+def write_run(claim: Claim, files: Mapping[str, str]) -> None:
+    """Put a run's files, paths relative to its folder, in place of an earlier run's.
 
-    Everything is written beside the target first, so that a failure leaves no half run.
+    Only files that a run has are replaced; what else lies in the folder stays as it is.
     """
-    try:
-        directory.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=directory.parent, prefix=".evdash-") as scratch:
-            fresh = Path(scratch) / "run"
-            for name, text in files.items():
-                path = fresh / name
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(text, encoding="utf-8", newline="")
-            if directory.exists():
-                _take_away(directory, Path(scratch) / "earlier")
-            if directory.exists():
-                shutil.copytree(fresh, directory, dirs_exist_ok=True)
-            else:
-                fresh.rename(directory)
-    except OSError as error:
-        fault = Fault(f"--out {directory}", f"a place that cannot be written ({error})", "writable")
-        raise InputError([fault]) from error
-
-
-def _take_away(directory: Path, to: Path) -> None:
-    """Move an earlier run's own files out; what else lies there stays."""
-    to.mkdir()
-    for path in list(directory.iterdir()):
-        if path.name == SCENARIO or path.suffix in (".csv", ".json"):
-            path.rename(to / path.name)
-    if not any(directory.iterdir()):
-        directory.rmdir()
+    claim.replace(files, own=RUN_FILES, last=SUMMARY)
 
 
 def read_run(directory: Path) -> tuple[dict[str, bytes], dict[str, object]]:

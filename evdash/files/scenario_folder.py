@@ -35,6 +35,11 @@ from evdash.files.wording import shown
 SETTINGS = "scenario.toml"
 TABLES: dict[str, type[BaseModel]] = {"nodes": Node, "lines": Line, "profile": ProfileRow}
 OPTIONAL_TABLES: dict[str, type[BaseModel]] = {"events": Event}
+FILE_NAMES = (
+    SETTINGS,
+    *(f"{name}.csv" for name in (*TABLES, *OPTIONAL_TABLES, "arrivals", "fleet")),
+)
+"""Every file that a scenario is written with."""
 CLOCK_TIME = re.compile(r"\s*(\d{1,2}):(\d{2})\s*")
 SOMETIME = datetime(2020, 1, 1)
 

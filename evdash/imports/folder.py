@@ -1,13 +1,13 @@
 """The scenario folder an import goes into: begun anew or changed, whole or not at all."""
 
-import os
 from pathlib import Path
 
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft, files_of, read_draft, scenario_of
+from evdash.files.exchange import claimed
 from evdash.files.folder import read_files
 from evdash.files.overrides import Setting, apply_settings
-from evdash.files.scenario_folder import SETTINGS
+from evdash.files.scenario_folder import FILE_NAMES, SETTINGS
 
 RULE = "should be a scenario folder, an empty one, or a new name"
 
@@ -36,19 +36,8 @@ def with_overrides(draft: Draft, settings: tuple[Setting, ...]) -> Draft:
 def write_draft(folder: Path, draft: Draft) -> None:
     """Write a draft that is a valid scenario; nothing is written if it is not (InputError).
 
-    Each file replaces its predecessor whole; tables nothing refers to any more are taken out.
+    Its files change together; tables nothing refers to any more are taken out.
     """
     scenario_of(draft)
-    files = files_of(draft)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in files.items():
-            beside = folder / f".{name}.new"
-            beside.write_text(text, encoding="utf-8", newline="")
-            os.replace(beside, folder / name)
-        for entry in folder.iterdir():
-            if entry.name not in files and entry.suffix == ".csv":
-                entry.unlink()
-    except OSError as error:
-        found = f"a folder that cannot be written ({error.strerror or error})"
-        raise InputError([Fault(str(folder), found, "should be writable")]) from error
+    with claimed(folder, str(folder)) as claim:
+        claim.replace(files_of(draft), own=FILE_NAMES, last=SETTINGS)

@@ -20,6 +20,7 @@ from evdash.domain.scenario import (
 )
 from evdash.errors import Fault, InputError
 from evdash.files.draft import RECORDS, Draft, read_draft
+from evdash.files.exchange import put_files
 from evdash.files.folder import read_files
 from evdash.files.wording import allowed_words
 from evdash.imports.scenario_book import (
@@ -180,11 +181,5 @@ def write_templates(where: Path, force: bool) -> list[Path]:
     if there and not force:
         rule = "add --force to replace them, or name another place"
         raise InputError([Fault(str(path), "a file that is there already", rule) for path in there])
-    try:
-        for path, content in targets.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
-    except OSError as error:
-        found = f"a place that cannot be written ({error.strerror or error})"
-        raise InputError([Fault(str(where), found, "should be writable")]) from error
+    put_files(targets)
     return list(targets)

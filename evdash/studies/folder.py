@@ -10,8 +10,9 @@ from filelock import FileLock, Timeout
 
 from evdash.domain.study import Result, Study, StudyRuns
 from evdash.errors import EvdashError, Fault, InputError
+from evdash.files.exchange import refuse_inside_scenario, resolved, unwritable
 from evdash.files.run_export import versions
-from evdash.files.scenario_folder import scenario_files
+from evdash.files.scenario_folder import FILE_NAMES, scenario_files
 from evdash.studies.code import code_version
 from evdash.studies.reading import read_study
 from evdash.studies.results import Results
@@ -51,14 +52,17 @@ class StudyFolder:
         except Timeout:
             return True
 
-    def check(self) -> None:
-        """Refuse a place that must not be written to, before any work is done."""
+    def make(self) -> None:
+        """Make the folder, or refuse a place that cannot or must not be written to."""
         place = f"--out {self.path}"
-        if not self.path.exists():
-            return
-        if not self.path.is_dir():
-            raise InputError([Fault(place, "a file", "should be a folder")])
-        if any(self.path.iterdir()) and not (self.path / RESULTS).is_file():
+        refuse_inside_scenario(self.path, place)
+        target = resolved(self.path, place)
+        try:
+            target.mkdir(parents=True, exist_ok=True)
+            there = {path.name for path in target.iterdir()} - {LOCK}
+        except OSError as error:
+            raise unwritable(place, error) from error
+        if there and not (target / RESULTS).is_file():
             rule = "should be new, empty, or an earlier study's"
             raise InputError([Fault(place, "a folder with other things in it", rule)])
 
@@ -68,15 +72,14 @@ class StudyFolder:
         try:
             (self.path / SCENARIO).mkdir(parents=True, exist_ok=True)
             self.results.make()  # first: by it the folder is known as a study's
-            for name in {path.name for path in (self.path / SCENARIO).iterdir()} - set(given):
-                (self.path / SCENARIO / name).unlink()
+            for name in set(FILE_NAMES) - set(given):
+                (self.path / SCENARIO / name).unlink(missing_ok=True)
             for name, text in given.items():
                 _replace(self.path / SCENARIO / name, text)
             here = runs.study.model_copy(update={"base": SCENARIO})
             _replace(self.path / STUDY, study_text(here))
         except OSError as error:
-            rule = "should be a place that can be written"
-            raise InputError([Fault(f"--out {self.path}", f"{error}", rule)]) from error
+            raise unwritable(f"--out {self.path}", error) from error
 
     def read(self) -> StudyRuns:
         """The study kept here."""

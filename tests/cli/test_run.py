@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 
 from evdash.files.bundled import DEFAULT, bundled_scenarios
+from evdash.files.exchange import output_folder
+from evdash.files.run_folder import is_run
 
 COLUMNS = {
     "intervals.csv": "interval,start,price_per_kwh,arrived,admitted,refused,charging,station_kw,"
@@ -222,3 +224,37 @@ def test_nothing_but_the_summary_goes_to_stdout():
         check=True,
     )
     assert done.stdout.strip().startswith("Summer weekday")
+
+
+def test_a_link_to_an_earlier_run_leads_to_the_new_one(run_copy, tmp_path, command):
+    """What is the user's own stays, in the folder of the scenario, too."""
+    before = (run_copy / "vehicles.csv").read_bytes()
+    own = (run_copy / "notes.csv", run_copy / "scenario" / "README.md")
+    for path in own:
+        path.write_text("mine", encoding="utf-8")
+    link = tmp_path / "link"
+    link.symlink_to(run_copy)
+    assert command("run", "--seed", 9, "--out", link, "--force")[0] == 0
+    assert link.is_symlink()
+    assert (run_copy / "vehicles.csv").read_bytes() != before
+    assert [path.read_text(encoding="utf-8") for path in own] == ["mine", "mine"]
+    assert command("audit", link)[0] == 0
+
+
+@pytest.mark.parametrize("name", ["run", "race"])
+def test_the_place_is_told_before_a_day_is_run(name, small_scenario, tmp_path, command):
+    """One inside the scenario, which could not be read afterwards; one that cannot be made."""
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    for place in (small_scenario / "out", small_scenario, tmp_path / "file" / "out"):
+        status, out, told = command(name, small_scenario, "--out", place)
+        assert (status, out) == (2, "")
+        assert str(place) in told
+        assert "Traceback" not in told
+    assert command("validate", small_scenario)[0] == 0
+
+
+def test_two_runs_do_not_replace_each_other(small_scenario, tmp_path, command):
+    with output_folder(tmp_path / "out", "run", is_run, force=False):
+        status, _, told = command("run", small_scenario, "--out", tmp_path / "out")
+        assert status == 2
+        assert "another process" in told

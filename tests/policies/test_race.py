@@ -4,7 +4,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from evdash.errors import InputError
-from evdash.files.race_folder import check_place, policies_text, read_race, write_race
+from evdash.files.exchange import output_folder
+from evdash.files.race_folder import is_race, policies_text, read_race, write_race
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
 from evdash.metrics.totals import totals
@@ -122,7 +123,11 @@ def test_it_tells_how_far_it_is_and_can_be_stopped(crowded):
 
 
 def test_files_read_back_as_they_were(raced, tmp_path):
-    write_race(tmp_path, raced)
+    def place(force: bool):
+        return output_folder(tmp_path, "race", is_race, force)
+
+    with place(force=False) as out:
+        write_race(out, raced)
     assert read_race(tmp_path / "race.json") == raced
     refused = (tmp_path / "refusals.csv").read_text(encoding="utf-8").splitlines()
     assert len(refused) == 1 + sum(len(lap.turned_down) for lap in raced.laps)
@@ -130,12 +135,12 @@ def test_files_read_back_as_they_were(raced, tmp_path):
     head, *rows = policies_text(raced).splitlines()
     assert len(rows) == len(raced.laps)
     assert {"policy", "profit", "acceptance_C1", "ac_overload_kva"} <= set(head.split(","))
-    with pytest.raises(InputError, match="--force"):
-        check_place(tmp_path, force=False)
-    check_place(tmp_path, force=True)
+    with pytest.raises(InputError, match="--force"), place(force=False):
+        pass
     (tmp_path / "letter.txt").write_text("mine", encoding="utf-8")
-    with pytest.raises(InputError, match="other things"):
-        check_place(tmp_path, force=True)
+    with place(force=True) as out:
+        write_race(out, raced)
+    assert (tmp_path / "letter.txt").read_text(encoding="utf-8") == "mine"
     (tmp_path / "race.json").write_text("{}", encoding="utf-8")
     with pytest.raises(InputError, match="no race"):
         read_race(tmp_path / "race.json")

@@ -5,8 +5,9 @@ import pytest
 from evdash.audit.audit import audit_run
 from evdash.domain.scenario import Arrival
 from evdash.files.draft import zipped
+from evdash.files.exchange import output_folder
 from evdash.files.run_export import RunLabel
-from evdash.files.run_folder import write_run
+from evdash.files.run_folder import is_run, write_run
 from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.guests import joined
 from evdash.reports.account import account, edited, verdict_on
@@ -40,7 +41,8 @@ def test_who_comes_beside_the_scenarios_arrivals_is_in_the_files(tmp_path, drawn
     )
     trace = run_day(joined(trace, guest), p1_policy())
     told = handed_on(trace)
-    write_run(tmp_path / "run", told.files)
+    with output_folder(tmp_path / "run", "run", is_run, force=True) as claim:
+        write_run(claim, told.files)
     assert "Guest-1" in told.files["vehicles.csv"]
     assert audit_run(tmp_path / "run").findings == ()
     again = decided_again(earlier_run(tmp_path / "run"), decide)
@@ -56,7 +58,8 @@ def test_events_made_in_mid_day_are_in_the_files(tmp_path):
     assert trace.scenario.station.chargers == 4
     assert edited(trace) == {}
     told = handed_on(trace)
-    write_run(tmp_path / "run", told.files)
+    with output_folder(tmp_path / "run", "run", is_run, force=True) as claim:
+        write_run(claim, told.files)
     assert audit_run(tmp_path / "run").findings == ()
     decided_again(earlier_run(tmp_path / "run"), decide)
 

@@ -10,8 +10,9 @@ from benchmarks.random_events import random_events
 from benchmarks.soundness import without_times
 from evdash.audit.audit import audit_run
 from evdash.domain.trace import Network, Trace
+from evdash.files.exchange import output_folder
 from evdash.files.run_export import RunLabel, judge, run_files
-from evdash.files.run_folder import write_run
+from evdash.files.run_folder import is_run, write_run
 from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.happen import happen
 from evdash.metrics.breaches import linear_breaches
@@ -74,7 +75,8 @@ def files_of(trace: Trace, directory: Path) -> dict[str, str]:
     """The run's folder, written to `directory`; its files but for times taken."""
     label = RunLabel("p1", trace.inputs.network, trace.inputs.given.arrivals.seed, 0.0)
     files = run_files(trace, judge(trace, linear_breaches(trace)), label)
-    write_run(directory, files)
+    with output_folder(directory, "run", is_run, force=True) as claim:
+        write_run(claim, files)
     return {name: text for name, text in files.items() if name != "intervals.csv"}
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from evdash.cli.main import main
 from evdash.horizon.day import run_day, start_day
 from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
@@ -169,3 +170,35 @@ def test_time_left_is_told_from_the_pace_since_this_start(tmp_path) -> None:
     assert told[3].seconds_left == pytest.approx(told[3].busy_seconds / 3 * 5)
     assert told[-1].seconds_left == 0
     assert [one.ended for one in told] == list(range(9))
+
+
+def test_a_study_under_way_is_not_given_another_file(tmp_path) -> None:
+    """Who comes second is told so, and what the first reads stays what it was."""
+    file = write_study(tmp_path, STUDY.format(count=1))
+    folder = StudyFolder(tmp_path / "out")
+    folder.make()
+    with folder.lock():
+        folder.begin(read_study(file))
+        before = (folder.path / "study.toml").read_bytes()
+        write_study(tmp_path, STUDY.format(count=2))
+        assert main(["study", str(file), "--out", str(folder.path)]) == 1
+        assert (folder.path / "study.toml").read_bytes() == before
+
+
+@pytest.mark.parametrize("below", ["file/out", "scenario/out"])
+def test_a_place_that_cannot_be_written_is_told(tmp_path, below, capsys) -> None:
+    file = write_study(tmp_path, STUDY.format(count=1))
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    (tmp_path / "scenario").mkdir()
+    (tmp_path / "scenario" / "scenario.toml").write_text("", encoding="utf-8")
+    assert main(["study", str(file), "--out", str(tmp_path / below)]) == 2
+    assert "evdash failed" not in capsys.readouterr().err
+
+
+def test_own_files_beside_a_studys_scenario_stay(tmp_path) -> None:
+    file = write_study(tmp_path, STUDY.format(count=1))
+    folder = StudyFolder(tmp_path / "out")
+    folder.begin(read_study(file))
+    (folder.path / "scenario" / "notes.txt").write_text("mine", encoding="utf-8")
+    folder.begin(read_study(file))
+    assert (folder.path / "scenario" / "notes.txt").read_text(encoding="utf-8") == "mine"

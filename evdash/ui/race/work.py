@@ -16,7 +16,8 @@ from filelock import FileLock
 
 from evdash.domain.trace import Network
 from evdash.errors import EvdashError
-from evdash.files.race_folder import RACE, write_race
+from evdash.files.exchange import output_folder
+from evdash.files.race_folder import RACE, is_race, write_race
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.inputs import prepare
 from evdash.policies.race import Told, race
@@ -62,7 +63,8 @@ def main(folder: Path, queue: Path, network: Network, policies: list[str]) -> No
         try:
             inputs = prepare(read_scenario(folder / SCENARIO), network)
             found = race(inputs, policies, lambda now: write_stand(folder, _running(now)))
-            write_race(folder / RACE.removesuffix(".json"), found)
+            with output_folder(folder / RACE.removesuffix(".json"), "race", is_race, True) as out:
+                write_race(out, found)
         except EvdashError as error:
             write_stand(folder, Stand("broken", said=str(error)))
         except Exception as error:
