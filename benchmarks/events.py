@@ -29,7 +29,7 @@ from benchmarks.soundness import problems_of_step
 from evdash.domain.trace import Happening, State, Trace
 from evdash.horizon.day import start_day, step
 from evdash.horizon.happen import happen
-from evdash.horizon.recourse import BY_CLOCK, SHED, UNPROVEN, UNPROVEN_FEWEST
+from evdash.horizon.recourse import LEFT_BEHIND, SHED, UNPROVEN, UNPROVEN_FEWEST
 from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.records import executed_power
@@ -114,7 +114,7 @@ def judge(result: Result, trace: Trace, before: State) -> None:
     result.counts["more than fewest"] += told and count > least.vehicles
     result.counts["least not proven"] += UNPROVEN in happening.note
     result.counts["shed without the optimiser"] += SHED in happening.note
-    result.counts["ended by the clock"] += BY_CLOCK in happening.note
+    result.counts["solvers left behind"] += LEFT_BEHIND in happening.note
 
 
 def _same(least: Least, happening: Happening) -> bool:
@@ -238,7 +238,7 @@ def rows_of(results: list[Result], wall_seconds: float) -> list[tuple[str, str]]
             "said not to be proven the fewest, and were not",
             f"{counts['fewest not proven']}, {counts['more than fewest']}",
         ),
-        ("ended by the clock", f"{counts['ended by the clock']}"),
+        ("solvers left behind", f"{counts['solvers left behind']}"),
         ("seconds to settle", f"median {np.median(seconds):.3f}, worst {seconds.max():.2f}"),
         ("days with any problem", f"{sum(bool(r.problems) for r in results)}"),
         ("wall time", f"{wall_seconds:.0f} s"),

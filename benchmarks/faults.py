@@ -27,42 +27,43 @@ from evdash.domain.trace import Trace
 from evdash.errors import SolverFailure
 from evdash.horizon.day import run_day, start_day
 from evdash.scheduling import guarded
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.solver import solve_fast
 from evdash.scheduling.p1 import Solver, p1_policy
 from evdash.scheduling.problem import Problem, Solution
 
 SHARE = 0.25
 """How many intervals the solver fails in."""
-HANG_SECONDS, GRACE_SECONDS, LIMIT_SECONDS = 3.0, 0.05, 0.2
+HANG_SECONDS, IDLE_SECONDS, LOOK_SECONDS = 3.0, 0.2, 0.05
 
 
-def out_of_time(problem: Problem, seconds: float) -> Solution:
-    """No point was found within the time limit."""
+def out_of_work(problem: Problem, effort: Effort) -> Solution:
+    """No point was found within the limit of work."""
     raise SolverFailure("HiGHS found no plan: Not Solved")
 
 
-def crashed(problem: Problem, seconds: float) -> Solution:
+def crashed(problem: Problem, effort: Effort) -> Solution:
     """The library raises an error of its own."""
     raise RuntimeError("HiGHS stopped working")
 
 
-def out_of_memory(problem: Problem, seconds: float) -> Solution:
+def out_of_memory(problem: Problem, effort: Effort) -> Solution:
     """There is no memory left."""
     raise MemoryError("HiGHS")
 
 
-def hanging(problem: Problem, seconds: float) -> Solution:
-    """It does not come back, whatever its time limit."""
+def hanging(problem: Problem, effort: Effort) -> Solution:
+    """It does not come back, whatever its limit."""
     threading.Event().wait(HANG_SECONDS)
-    return solve_fast(problem, seconds)
+    return solve_fast(problem, effort)
 
 
-def called_infeasible(problem: Problem, seconds: float) -> Solution:
+def called_infeasible(problem: Problem, effort: Effort) -> Solution:
     """A problem that has a solution is called infeasible."""
     raise SolverFailure("HiGHS found no plan: Infeasible")
 
 
-def optimal_beyond_the_truth(problem: Problem, seconds: float) -> Solution:
+def optimal_beyond_the_truth(problem: Problem, effort: Effort) -> Solution:
     """Nothing decided, and yet a bound that would prove it, and more."""
     admitted = np.arange(problem.n_vehicles) < problem.n_contracts
     return Solution(admitted, problem.tail_kw, problem.tail_objective + 100.0)
@@ -71,8 +72,8 @@ def optimal_beyond_the_truth(problem: Problem, seconds: float) -> Solution:
 def spoilt(change: Callable[[Problem, np.ndarray], np.ndarray]) -> Solver:
     """The right answer with its powers changed."""
 
-    def solve(problem: Problem, seconds: float) -> Solution:
-        right = solve_fast(problem, seconds)
+    def solve(problem: Problem, effort: Effort) -> Solution:
+        right = solve_fast(problem, effort)
         return replace(right, power_kw=change(problem, right.power_kw.copy()))
 
     return solve
@@ -88,7 +89,7 @@ def _everyone_at_once(problem: Problem, power: np.ndarray) -> np.ndarray:
 
 
 FAULTS: Mapping[str, Solver] = {
-    "out of time": out_of_time,
+    "out of work": out_of_work,
     "crash": crashed,
     "out of memory": out_of_memory,
     "never back": hanging,
@@ -118,7 +119,7 @@ class Faulty:
         kind = str(self.rng.choice(self.kinds)) if self.rng.random() < SHARE else ""
         if kind and (snapshot.contracts or snapshot.requests):
             self.injected[snapshot.now] = kind
-            policy: Policy = p1_policy(FAULTS[kind], seconds=LIMIT_SECONDS)
+            policy: Policy = p1_policy(FAULTS[kind])
         else:
             policy = p1_policy()
         began = time.perf_counter()
@@ -141,7 +142,7 @@ class Result:
 
 def run_one(seed: int) -> Result:
     """Run the random day of a seed with a solver that fails now and then."""
-    guarded.GRACE_SECONDS = GRACE_SECONDS
+    guarded.IDLE_SECONDS, guarded.LOOK_SECONDS = IDLE_SECONDS, LOOK_SECONDS
     faulty = Faulty(np.random.default_rng(seed), list(FAULTS), {}, {})
     trace = run_day(start_day(random_scenario(seed)), faulty)
     answers: Counter[tuple[str, str]] = Counter()

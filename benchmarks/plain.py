@@ -17,9 +17,10 @@ from benchmarks.cases import Case
 from evdash.domain.plan import Plan, Snapshot
 from evdash.domain.scenario import Scenario
 from evdash.horizon.day import run_day, start_day
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.equations import build
 from evdash.scheduling.fast.solver import solve_fast
-from evdash.scheduling.p1 import SECONDS_PER_INTERVAL, p1_policy
+from evdash.scheduling.p1 import WORK, p1_policy
 from evdash.scheduling.problem import Problem, problem_of
 from tests.grid.node_by_node import p1_node_by_node
 
@@ -100,8 +101,7 @@ def on_its_worst(
     taken = [both_times(lambda one=one: solve_plain(one, solver)) for one in intervals]
     worst = sorted(range(len(intervals)), key=lambda i: -taken[i][1])[:HARD]
     ours = [
-        both_times(lambda i=i: solve_fast(intervals[i].problem, SECONDS_PER_INTERVAL))[1]
-        for i in worst
+        both_times(lambda i=i: solve_fast(intervals[i].problem, Effort(WORK)))[1] for i in worst
     ]
     stopped = sum(taken[i][0] >= limit_seconds for i in worst)
     return Beside([taken[i][1] for i in worst], ours, stopped)

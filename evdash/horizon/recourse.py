@@ -40,9 +40,9 @@ UNPROVEN = "It was not proven that no less can be missing"
 UNPROVEN_FEWEST = "It was not proven that no fewer vehicles can be short"
 AS_MUCH = "as much as every promise leaves room for"
 UNPROVEN_MORE = "but it was not proven that there is no room for more"
-BY_CLOCK = "The clock ended the search: a faster machine may find another answer"
+LEFT_BEHIND = "A solver did not come back and was left behind: asked again, it may answer otherwise"
 NO_ROOM_FOUND = "no schedule was found that keeps every promise beside it"
-SPENT = "this interval's time for working it out is used up; ask again in the next"
+SPENT = "what one interval may take to work it out is used up; ask again in the next"
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +140,7 @@ def settle(inputs: Inputs, state: State, events: Sequence[Event]) -> Settled:
         if event.vehicle in names:
             terms, note = _asked_more(terms, event, check, effort.part(1 / left))
             notes = (*notes, note)
-    notes += (BY_CLOCK,) if effort.by_clock else ()
+    notes += (LEFT_BEHIND,) if effort.left_behind else ()
     revisions = (Revision(*pair) for pair in zip(before, terms.contracts, strict=True))
     changed = tuple(one for one in revisions if one.before != one.after)
     return Settled(terms.state(), changed, notes)
@@ -195,7 +195,7 @@ def _schedules(problem: Problem, effort: Effort) -> Iterator[tuple[Floats, tuple
         yield there, ()
     try:
         asked = partial(least_shortfall, problem, effort)
-        found = usable(answered(asked, effort.seconds), problem)
+        found = usable(answered(asked, effort), problem)
     except SolverFailure:
         pass
     else:
@@ -229,7 +229,7 @@ def _asked_more(
     problem = terms.problem(order, len(opened), extra)
     try:
         most = partial(most_energy_for, problem, extra, effort)
-        found = usable(answered(most, effort.seconds), problem)
+        found = usable(answered(most, effort), problem)
     except SolverFailure:
         return terms, refused + NO_ROOM_FOUND
     allowed = np.append(np.zeros(len(opened)), extra) + ENERGY_TOLERANCE_KWH

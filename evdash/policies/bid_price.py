@@ -24,13 +24,14 @@ from evdash.policies.expectation import (
 )
 from evdash.policies.futures import Futures, sample_futures
 from evdash.scheduling.clean import cleaned
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.nearest import nearest_schedule
 from evdash.scheduling.p1 import p1_policy
 from evdash.scheduling.problem import candidates, problem_of
 
 SAMPLES = 8
-SECONDS = 5.0
-"""Only a safety: nodes decide."""
+WORK = 1e7
+"""Of finding the nearest schedule, as `Effort` counts; only a safety: nodes decide."""
 CAUTION = 1.0
 """Standard errors by which departing from P1 has to be worth more."""
 KEPT = "kept for others"
@@ -118,7 +119,7 @@ def _anticipated(
         served = _served(snapshot, chosen, dearer) if attempt is None else attempt
         problem = problem_of(replace(snapshot, requests=served))
         wished = np.array([first_kw[vehicle] for vehicle in problem.vehicles])
-        power_kw = nearest_schedule(problem, wished, dearer, SECONDS)
+        power_kw = nearest_schedule(problem, wished, dearer, Effort(WORK))
         if power_kw is not None:
             return Plan(
                 now=snapshot.now,

@@ -17,6 +17,7 @@ from scipy.sparse import csr_matrix
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Snapshot
 from evdash.domain.vehicles import Request
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.rounding import violated_cuts
 from evdash.scheduling.foresight import KnownDay, known_day, known_problem
 from evdash.scheduling.highs import WHOLE, LinearProgram, LpPoint, Session
@@ -28,8 +29,8 @@ LATER_USD_PER_KWH = 1e-4
 """What a kWh costs for each slot it comes later."""
 HAIR_KW = 1e-6
 NODES = 1000
-SECONDS = 5.0
-"""Only a safety: rounds and nodes decide."""
+WORK = 1e7
+"""Of one question to one future, as `Effort` counts; only a safety: rounds and nodes decide."""
 Answer = TypeVar("Answer")
 
 
@@ -78,7 +79,7 @@ class SampledDay:
 
     def best(self) -> LpPoint | None:
         """The day at its best, everything open, and then cut; None if infeasible."""
-        point = self.session.relaxed(SECONDS)
+        point = self.session.relaxed(Effort(WORK))
         for _ in range(CUT_ROUNDS):
             if point is None:
                 break
@@ -86,13 +87,13 @@ class SampledDay:
             if cuts.count == 0:
                 break
             self.session.add_rows(cuts.matrix(self.day.relaxation.columns.total), *cuts.limits())
-            point = self.session.relaxed(SECONDS)
+            point = self.session.relaxed(Effort(WORK))
         return point
 
     def given(self, admitted: Floats) -> LpPoint | None:
         """The day at its best if just these requests are admitted; None if infeasible."""
         self.session.bound(self.asking, admitted, admitted)
-        return self.session.relaxed(SECONDS)
+        return self.session.relaxed(Effort(WORK))
 
     def cost_of(self, admitted: Floats, first_kw: Floats) -> float:
         """What the day costs at best if besides those present (vehicles,) draw this now, $."""
@@ -216,7 +217,7 @@ class Cuts:
             upper=np.append(np.ones(n), np.full(futures, np.inf)),
         )
         kinds = np.append(np.full(n, WHOLE), np.zeros(futures)).astype(np.uint8)
-        outcome = Session(program).branched(kinds, SECONDS, nodes=NODES)
+        outcome = Session(program).branched(kinds, Effort(WORK), nodes=NODES)
         if outcome.values is None:
             return None, outcome.bound
         return np.round(outcome.values[:n]), float(outcome.values[n:].mean())

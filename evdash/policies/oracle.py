@@ -10,12 +10,13 @@ from evdash.domain.trace import Inputs
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Request
 from evdash.horizon.advance import initial_state, snapshot_of
 from evdash.scheduling.clean import cleaned
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.solver import solved
 from evdash.scheduling.foresight import known_day, known_problem
 from evdash.scheduling.problem import Problem, Solution
 
-SECONDS = 600.0
-"""Only a safety: nodes decide."""
+WORK = 1e9
+"""As `Effort` counts; only a safety: nodes decide."""
 NOT_IN_BEST_DAY = "not part of the best day, the whole of it known in advance"
 
 
@@ -108,6 +109,6 @@ def _from_here(snapshot: Snapshot, inputs: Inputs) -> Foresight:
     groups = inputs.requests[snapshot.now + 1 : -1]
     coming: tuple[Request, ...] = tuple(r for group in groups for r in group)
     problem, opens = known_problem(snapshot, coming)
-    solution = solved(known_day(problem, opens).relaxation, SECONDS)
+    solution = solved(known_day(problem, opens).relaxation, Effort(WORK))
     power_kw = cleaned(problem, solution.admitted, solution.power_kw)
     return Foresight(problem, Solution(solution.admitted, power_kw, solution.bound), snapshot.now)

@@ -3,13 +3,14 @@
 import numpy as np
 
 from evdash.domain.limits import Floats
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.highs import LinearProgram, Session
 from evdash.scheduling.problem import Bools, Problem
 from evdash.scheduling.rows import Rows
 
 
 def earliest_first(
-    problem: Problem, charging: Bools, power_kw: Floats, cost_limit: float, seconds: float
+    problem: Problem, charging: Bools, power_kw: Floats, cost_limit: float, effort: Effort
 ) -> Floats:
     """Decision 6: with u and D fixed, minimise Σ (t − now)·P·Δt at a cost of at most the limit.
 
@@ -35,7 +36,7 @@ def earliest_first(
         lower=problem.low_kw[vehicle],
         upper=problem.high_kw[vehicle],
     )
-    point = Session(program).relaxed(seconds)
+    point = Session(program).relaxed(effort)
     if point is None:
         return power_kw
     earlier = np.zeros_like(power_kw)

@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix
 
 from evdash.domain.limits import Floats
 from evdash.errors import SolverFailure
+from evdash.scheduling.effort import ITERATIONS, Effort, Meter
 
 TOLERANCE = 1e-9
 Kinds = NDArray[np.uint8]
@@ -111,10 +112,10 @@ class Session:
             matrix.data,
         )
 
-    def relaxed(self, seconds: float) -> LpPoint | None:
-        """The LP's optimum; None if it is infeasible or time ran out."""
-        self._set({"time_limit": seconds, "presolve": "choose"})
-        self.solver.run()
+    def relaxed(self, effort: Effort) -> LpPoint | None:
+        """The LP's optimum; None if it is infeasible or the effort was spent on it."""
+        self._set({"presolve": "choose"})
+        self._run_simplex(effort)
         if self.solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
             return None
         solution = self.solver.getSolution()
@@ -133,7 +134,7 @@ class Session:
     def branched(
         self,
         kinds: Kinds,
-        seconds: float,
+        effort: Effort,
         *,
         nodes: int,
         absolute_gap: float = 0.0,
@@ -143,11 +144,14 @@ class Session:
 
         Ends early at a gap of `absolute_gap` or at a point no dearer than `target`.
         """
-        limits = {"time_limit": seconds, "mip_max_nodes": nodes, "presolve": MIP_PRESOLVE}
-        self._set(limits | {"mip_abs_gap": absolute_gap, "objective_target": target})
+        self._set({"mip_max_nodes": nodes, "presolve": MIP_PRESOLVE})
+        self._set({"mip_abs_gap": absolute_gap, "objective_target": target})
         count = len(self.everything)
         self.solver.changeColsIntegrality(count, self.everything, kinds)
-        self.solver.run()
+        if kinds.any():
+            self._run_branching(effort)
+        else:
+            self._run_simplex(effort)
         outcome = self._integer_outcome(bool(kinds.any()))
         self.solver.changeColsIntegrality(count, self.everything, np.zeros_like(kinds))
         return outcome
@@ -163,6 +167,23 @@ class Session:
         if info.primal_solution_status != highspy.SolutionStatus.kSolutionStatusFeasible:
             return MilpOutcome(None, bound)
         return MilpOutcome(np.array(self.solver.getSolution().col_value), bound)
+
+    def _run_simplex(self, effort: Effort) -> None:
+        columns = max(1, len(self.everything))
+        most = min(ITERATIONS * effort.work / columns, float(highspy.kHighsIInf))
+        self._set({"simplex_iteration_limit": int(most)})
+        self.solver.run()
+        iterations = self.solver.getInfo().simplex_iteration_count
+        effort.spend(columns * max(1.0, iterations / ITERATIONS))
+
+    def _run_branching(self, effort: Effort) -> None:
+        meter = Meter(effort, len(self.everything))
+        # a limit on iterations would hold for each linear program alone
+        self._set({"simplex_iteration_limit": highspy.kHighsIInf})
+        self.solver.setCallback(meter, None)
+        self.solver.startCallback(highspy.cb.HighsCallbackType.kCallbackMipInterrupt)
+        self.solver.run()
+        meter.settle()
 
     def _set(self, options: Mapping[str, Any]) -> None:
         for name, value in options.items():

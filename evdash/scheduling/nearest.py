@@ -4,6 +4,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from evdash.domain.limits import Floats
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation
 from evdash.scheduling.fast.solver import made_from
 from evdash.scheduling.highs import SEMI_CONTINUOUS, WHOLE, Kinds, LinearProgram, Session
@@ -15,7 +16,7 @@ GAP_USD = 0.02
 
 
 def nearest_schedule(
-    problem: Problem, first_kw: Floats, price_per_kwh: Floats, seconds: float
+    problem: Problem, first_kw: Floats, price_per_kwh: Floats, effort: Effort
 ) -> Floats | None:
     """Power (vehicles, slots), kW, of everyone in the problem; None if none was found.
 
@@ -28,7 +29,7 @@ def nearest_schedule(
     first = np.flatnonzero(relaxation.columns.slot == 0)
     program = _with_deviations(relaxation, first, first_kw, price_per_kwh)
     kinds = _kinds(relaxation, program)
-    outcome = Session(program).branched(kinds, seconds, nodes=NODES, absolute_gap=GAP_USD)
+    outcome = Session(program).branched(kinds, effort, nodes=NODES, absolute_gap=GAP_USD)
     return None if outcome.values is None else relaxation.power_kw(outcome.values)
 
 

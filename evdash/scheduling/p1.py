@@ -13,6 +13,7 @@ from evdash.domain.vehicles import Request
 from evdash.errors import SolverFailure
 from evdash.scheduling.clean import cleaned
 from evdash.scheduling.earliest import earliest_first
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.solver import solve_fast
 from evdash.scheduling.guarded import answered
 from evdash.scheduling.problem import (
@@ -24,32 +25,36 @@ from evdash.scheduling.problem import (
     problem_of,
 )
 
-SECONDS_PER_INTERVAL = 20.0
+WORK = 2e7
+"""What an interval may take, as `Effort` counts: a processor 7 to 30 s."""
+EARLIEST_WORK = 1e7
+"""The same for the linear program that makes a plan the earliest, which has never come near it."""
 ROUNDING_USD = 1e-8
 
-Solver = Callable[[Problem, float], Solution]
-Choice = Callable[[Problem, Bools, Floats, float, float], Floats]
-"""Which of the plans that are worth the same: from who is admitted, powers, bound and seconds."""
+Solver = Callable[[Problem, Effort], Solution]
+Choice = Callable[[Problem, Bools, Floats, float], Floats]
+"""Which of the plans that are worth the same: from who is admitted, powers and bound."""
 
 
-def p1_policy(solve: Solver = solve_fast, seconds: float = SECONDS_PER_INTERVAL) -> Policy:
-    """The policy that maximises the profit of what is known now, within `seconds`."""
-    return partial(_decided, solve, seconds, _earlier)
+def p1_policy(solve: Solver = solve_fast, work: float = WORK) -> Policy:
+    """The policy that maximises the profit of what is known now, with so much work."""
+    return partial(_decided, solve, work, _earlier)
 
 
-def p1_answers(solve: Solver = solve_fast, seconds: float = SECONDS_PER_INTERVAL) -> Policy:
+def p1_answers(solve: Solver = solve_fast, work: float = WORK) -> Policy:
     """The same answers and the same value to the cent, any plan: where nobody is to follow it."""
-    return partial(_decided, solve, seconds, _as_found)
+    return partial(_decided, solve, work, _as_found)
 
 
-def _decided(solve: Solver, seconds: float, choice: Choice, snapshot: Snapshot) -> Plan:
+def _decided(solve: Solver, work: float, choice: Choice, snapshot: Snapshot) -> Plan:
     began = time.perf_counter()
     problem = problem_of(snapshot)
     if problem.n_vehicles:
-        solution = usable(answered(partial(solve, problem, seconds), seconds), problem)
+        effort = Effort(work)
+        solution = usable(answered(partial(solve, problem, effort), effort), problem)
     else:
         solution = _nothing(problem)
-    return plan_of(snapshot, problem, solution, began, seconds, choice=choice)
+    return plan_of(snapshot, problem, solution, began, choice=choice)
 
 
 def usable(solution: Solution, problem: Problem) -> Solution:
@@ -72,7 +77,6 @@ def plan_of(
     problem: Problem,
     solution: Solution,
     began: float,
-    seconds: float,
     *,
     choice: Choice,
 ) -> Plan:
@@ -83,8 +87,7 @@ def plan_of(
     reached = problem.objective(admitted, power_kw)
     # a bound that a point undercuts by more than the cent of proof is none
     bound = min(solution.bound, reached) if solution.bound <= reached + OPTIMALITY_USD else -np.inf
-    left = max(0.5, seconds - (time.perf_counter() - began))
-    power_kw = choice(problem, admitted, power_kw, bound, left)
+    power_kw = choice(problem, admitted, power_kw, bound)
     objective = problem.objective(admitted, power_kw)
     under_contract = np.flatnonzero(admitted)
     return Plan(
@@ -127,26 +130,23 @@ def reason_of(snapshot: Snapshot, request: Request) -> str:
     )
 
 
-def _earlier(
-    problem: Problem, admitted: Bools, power_kw: Floats, bound: float, seconds: float
-) -> Floats:
+def _earlier(problem: Problem, admitted: Bools, power_kw: Floats, bound: float) -> Floats:
     """Decision 6: the earliest plan within a cent of the bound and never dearer than the tail."""
     revenue = float(problem.revenue @ admitted)
     limit = max(
         min(bound + TIE_USD, problem.tail_objective) + revenue, problem.energy_cost(power_kw)
     )
     try:
-        moved = partial(earliest_first, problem, power_kw > 0, power_kw, limit, seconds)
-        earlier = answered(moved, seconds)
+        effort = Effort(EARLIEST_WORK)
+        moved = partial(earliest_first, problem, power_kw > 0, power_kw, limit, effort)
+        earlier = answered(moved, effort)
     except SolverFailure:
         return power_kw
     earlier = cleaned(problem, admitted, earlier)
     return earlier if problem.energy_cost(earlier) <= limit + ROUNDING_USD else power_kw
 
 
-def _as_found(
-    problem: Problem, admitted: Bools, power_kw: Floats, bound: float, seconds: float
-) -> Floats:
+def _as_found(problem: Problem, admitted: Bools, power_kw: Floats, bound: float) -> Floats:
     return power_kw
 
 

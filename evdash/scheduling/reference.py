@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
-from typing import Any
 
 import highspy
 import numpy as np
@@ -11,14 +9,12 @@ import pulp
 
 from evdash.domain.limits import Floats
 from evdash.errors import SolverFailure
-from evdash.scheduling.effort import Effort
+from evdash.scheduling.effort import Effort, Meter
 from evdash.scheduling.equations import P1, Equation, Model, build
 from evdash.scheduling.problem import Problem, Solution
 
 ABSOLUTE_GAP_USD = 0.004
 ROUNDING = 1e-9
-AT_ROOT = 10
-"""How much longer a linear program of the root takes than one of a node, about."""
 ENDED = (
     highspy.HighsModelStatus.kOptimal,
     highspy.HighsModelStatus.kInfeasible,
@@ -28,10 +24,9 @@ ENDED = (
 
 
 def solve_reference(
-    problem: Problem, seconds: float, equations: Sequence[Equation] = P1
+    problem: Problem, effort: Effort, equations: Sequence[Equation] = P1
 ) -> Solution:
     """The plain formulation on HiGHS; raises SolverFailure if no feasible point was found."""
-    effort = Effort(seconds=seconds)
     model = build(problem, equations)
     bound = minimise_with_highs(model, effort, ABSOLUTE_GAP_USD)
     return Solution(values(model.u) > 0.5, power_of(model), bound)
@@ -62,17 +57,16 @@ def minimise_with_highs(model: Model, effort: Effort, absolute_gap: float) -> fl
         for presolve, share in (("off", 0.5), ("choose", 1.0))
     ]
     found = [one for _, one in asked if one is not None]
-    by_clock = any(status == highspy.HighsModelStatus.kTimeLimit for status, _ in asked)
     if not found:
         if any(status not in ENDED for status, _ in asked):
-            effort.cut(by_clock=by_clock)
+            effort.cut()
         raise SolverFailure(f"HiGHS found no plan: {pulp.LpSolution[model.lp.sol_status]}")
     best = min(found, key=lambda one: one.objective)
     model.lp.assignVarsVals(best.point)
     bound = min(one.bound for one in [one for one in found if one.ended] or found)
     proven = best.objective <= bound + absolute_gap + ROUNDING
     if not proven:
-        effort.cut(by_clock=by_clock)
+        effort.cut()
     model.lp.sol_status = pulp.LpSolutionOptimal if proven else pulp.LpSolutionIntegerFeasible
     return bound
 
@@ -80,28 +74,15 @@ def minimise_with_highs(model: Model, effort: Effort, absolute_gap: float) -> fl
 def _asked(
     model: Model, effort: Effort, presolve: str, absolute_gap: float
 ) -> tuple[highspy.HighsModelStatus, _Found | None]:
-    """One search within an effort: how it ended, and what it found.
-
-    HiGHS asks back whenever it checks its own limits, about once for every linear program it
-    solves; that is counted, as it is the same on every machine. Its own limits do not serve:
-    one on nodes leaves out the root, one on iterations holds for each linear program alone.
-    """
-    columns = len(model.lp.variables())
-    most, asked_back = effort.work / max(1, columns), 0
-
-    def look(_kind: Any, _text: str, told: Any, answer: Any, _data: Any) -> None:
-        nonlocal asked_back
-        asked_back += AT_ROOT if told.mip_node_count == 0 else 1
-        answer.user_interrupt = asked_back > most
-
+    """One search within an effort: how it ended, and what it found."""
+    meter = Meter(effort, len(model.lp.variables()))
     model.lp.solve(
         pulp.HiGHS(
             msg=False,
-            timeLimit=max(0.1, effort.seconds) if isfinite(effort.seconds) else None,
             gapRel=0.0,
             gapAbs=absolute_gap,
             threads=1,
-            callbackTuple=(look, None),
+            callbackTuple=(meter, None),
             callbacksToActivate=[highspy.cb.HighsCallbackType.kCallbackMipInterrupt],
             presolve=presolve,
             random_seed=0,
@@ -111,7 +92,7 @@ def _asked(
     )
     highs = model.lp.solverModel
     status, info = highs.getModelStatus(), highs.getInfo()
-    effort.spend(columns * asked_back)
+    meter.settle()
     if info.primal_solution_status != highspy.SolutionStatus.kSolutionStatusFeasible:
         return status, None
     point = {variable.name: variable.value() for variable in model.lp.variables()}

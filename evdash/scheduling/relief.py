@@ -28,8 +28,8 @@ from evdash.scheduling.problem import Bools, Problem
 from evdash.scheduling.reference import minimise_with_highs
 from evdash.scheduling.shortfall import HAIR
 
-WORK, SECONDS = 3e6, 60.0
-"""What all remedies of one happening may take, as `Effort` counts it, and on the clock."""
+WORK = 3e6
+"""What all remedies of one happening may take, as `Effort` counts it."""
 SHARE = 0.3
 """Of what is left of it, for each question."""
 CHARGING: tuple[Equation, ...] = (
@@ -45,7 +45,7 @@ MORE = "more"
 
 def relief_effort() -> Effort:
     """What may be spent on all remedies together."""
-    return Effort(WORK, SECONDS)
+    return Effort(WORK)
 
 
 def more_chargers(problem: Problem, effort: Effort) -> int | None:
@@ -116,11 +116,11 @@ def _least(
     which `effort` then tells."""
     share = effort.part(SHARE)
     if share.is_spent:
-        share.cut(by_clock=effort.seconds <= 0)
+        share.cut()
         return None
     model = build(problem, equations, "relief")
     try:
-        answered(lambda: minimise_with_highs(model, share, gap), share.seconds)
+        answered(lambda: minimise_with_highs(model, share, gap), share)
     except SolverFailure:
         return None
     return float(pulp.value(model.lp.objective) or 0.0)

@@ -33,9 +33,8 @@ from evdash.scheduling.guarded import answered
 from evdash.scheduling.problem import Bools, Problem, contracts_problem
 from evdash.scheduling.reference import minimise_with_highs, power_of
 
-WORK, SECONDS = 6e6, 120.0
-"""What one step may spend on all of it, as `Effort` counts, and on the clock: the work takes a
-processor half a minute at most, so that the clock ends a step only on a machine with much to do."""
+WORK = 6e6
+"""What one step may spend on all of it, as `Effort` counts: a processor half a minute at most."""
 FIRST_SHARE, TIE_SHARE = 0.6, 0.4
 """Of the effort: for the energy missing; of what is left, for each of the objectives after it."""
 HAIR = 1e-6
@@ -89,7 +88,7 @@ def fit_at_once(model: Model) -> None:
 
 def step_effort() -> Effort:
     """What one step may spend on the contracts there are."""
-    return Effort(WORK, SECONDS)
+    return Effort(WORK)
 
 
 def least_shortfall(problem: Problem, effort: Effort) -> Recourse:
@@ -235,7 +234,7 @@ def plan_for_contracts(snapshot: Snapshot) -> Floats:
     if problem.n_vehicles == 0:
         return problem.tail_kw
     effort = step_effort()
-    found = usable(answered(partial(least_shortfall, problem, effort), effort.seconds), problem)
+    found = usable(answered(partial(least_shortfall, problem, effort), effort), problem)
     missing = np.flatnonzero(found.short_kwh > 0)
     if len(missing) and not found.proven:
         raise SolverFailure("whether the contracts can be kept could not be decided")

@@ -15,6 +15,7 @@ from evdash.domain.limits import LimitRows
 from evdash.grid.reduction import limit_rows
 from evdash.horizon.advance import advance, contracts_under, snapshot_of
 from evdash.horizon.day import start_day
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.equations import P1
 from evdash.scheduling.p1 import p1_policy
 from evdash.scheduling.problem import problem_of
@@ -129,7 +130,7 @@ def snapshots(scenario):
 
 def optimum(problem, equations=P1):
     """Value of P1 at its optimum, $, and who is admitted."""
-    solution = solve_reference(problem, 60, equations)
+    solution = solve_reference(problem, Effort(), equations)
     return problem.objective(solution.admitted, solution.power_kw), solution.admitted
 
 

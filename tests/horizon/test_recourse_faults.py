@@ -62,19 +62,18 @@ FAULTS = {
 
 @pytest.fixture(autouse=True)
 def little_patience(monkeypatch):
-    monkeypatch.setattr(guarded, "GRACE_SECONDS", 0.05)
+    monkeypatch.setattr(guarded, "IDLE_SECONDS", 0.2)
+    monkeypatch.setattr(guarded, "LOOK_SECONDS", 0.05)
 
 
 def failing(monkeypatch, kind: str) -> None:
     """Both questions of recourse are answered rightly, and then spoilt."""
     fault = FAULTS[kind]
-    seconds = 0.3 if kind == "never back" else 60.0
-    monkeypatch.setattr(recourse, "step_effort", lambda: Effort(seconds=seconds))
     monkeypatch.setattr(recourse, "least_shortfall", lambda p, e: fault(least_shortfall(p, e)))
     monkeypatch.setattr(
         recourse,
         "most_energy_for",
-        lambda p, x, e: fault(most_energy_for(p, x, Effort(seconds=60))),
+        lambda p, x, e: fault(most_energy_for(p, x, Effort())),
     )
 
 

@@ -1,6 +1,5 @@
 """The solver fails in every way: the step ends in time, says so, and the next is as before."""
 
-import threading
 import time
 
 import numpy as np
@@ -14,6 +13,7 @@ from evdash.domain.trace import Trace
 from evdash.errors import SolverFailure
 from evdash.horizon.day import run_day, start_day
 from evdash.scheduling import guarded
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.solver import solve_fast
 from evdash.scheduling.guarded import answered
 from evdash.scheduling.p1 import p1_policy
@@ -25,11 +25,12 @@ REPAIRED = {"1e-6 off", "1e-3 off", "far over the limits", "everyone at once"}
 
 @pytest.fixture(autouse=True)
 def little_patience(monkeypatch):
-    monkeypatch.setattr(guarded, "GRACE_SECONDS", faults.GRACE_SECONDS)
+    monkeypatch.setattr(guarded, "IDLE_SECONDS", faults.IDLE_SECONDS)
+    monkeypatch.setattr(guarded, "LOOK_SECONDS", faults.LOOK_SECONDS)
 
 
 def faulty_day(kind: str) -> Trace:
-    failing = p1_policy(FAULTS[kind], seconds=faults.LIMIT_SECONDS)
+    failing = p1_policy(FAULTS[kind])
 
     def policy(snapshot: Snapshot) -> Plan:
         return failing(snapshot) if snapshot.now == FAILING else P1(snapshot)
@@ -68,20 +69,13 @@ def test_a_solver_that_works_is_not_disturbed():
     assert without_times(unguarded) == without_times(run_day(start_day(day()), P1))
 
 
-def test_a_solver_that_hangs_is_left_behind_in_time():
-    began = time.perf_counter()
-    with pytest.raises(SolverFailure, match="was not back after"):
-        answered(lambda: threading.Event().wait(30.0), 0.1)
-    assert time.perf_counter() - began < 5.0
-
-
 def test_our_own_errors_pass_as_they_are_and_answers_too():
     def fails() -> None:
         raise SolverFailure("in its own words")
 
     with pytest.raises(SolverFailure, match="in its own words"):
-        answered(fails, 1.0)
-    assert answered(lambda: np.pi, 1.0) == np.pi
+        answered(fails, Effort())
+    assert answered(lambda: np.pi, Effort()) == np.pi
 
 
 @pytest.mark.parametrize("seed", [4, 15])

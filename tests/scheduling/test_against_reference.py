@@ -8,6 +8,7 @@ import pytest
 from benchmarks.random_days import random_scenario
 from evdash.domain.limits import LimitRows
 from evdash.horizon.day import run_day, start_day
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast import solver
 from evdash.scheduling.fast.solver import solve_fast
 from evdash.scheduling.p1 import p1_policy
@@ -15,20 +16,18 @@ from evdash.scheduling.problem import OPTIMALITY_USD, Problem
 from evdash.scheduling.reference import ABSOLUTE_GAP_USD, solve_reference
 from tests.scheduling.problems import HAIR, random_problem, violations
 
-SECONDS = 60.0
-
 
 def assert_agrees(problem: Problem) -> None:
     """Feasible, within a cent of its own bound, and the bound below the reference's optimum.
 
     Whether contracts are searched in lists or, as where those grow too long, by HiGHS.
     """
-    reference = solve_reference(problem, SECONDS)
+    reference = solve_reference(problem, Effort())
     other = problem.objective(reference.admitted, reference.power_kw)
     assert other - reference.bound <= ABSOLUTE_GAP_USD + HAIR
     for stages in (solver.STAGES, solver.STAGES[1:]):
         with patch.object(solver, "STAGES", stages):
-            fast = solve_fast(problem, SECONDS)
+            fast = solve_fast(problem, Effort())
         value = problem.objective(fast.admitted, fast.power_kw)
         assert violations(problem, fast) == []
         assert fast.bound <= other + HAIR
@@ -61,9 +60,9 @@ def test_many_random_intervals(seed):
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(100))
 def test_whole_random_days(seed):
-    def both(problem: Problem, seconds: float):
+    def both(problem: Problem, effort: Effort):
         assert_agrees(problem)
-        return solve_fast(problem, seconds)
+        return solve_fast(problem, effort)
 
     run_day(start_day(random_scenario(seed)), p1_policy(both))
 
@@ -73,7 +72,7 @@ def test_the_interval_highs_presolve_gets_wrong():
     problem = [random_problem(rng, max_vehicles=12, max_slots=8) for _ in range(50)][-1]
     assert_agrees(problem)
     # what CBC finds; with its presolve, HiGHS 1.15.1 calls 2.1646 optimal
-    assert solve_fast(problem, SECONDS).bound == pytest.approx(1.8617371, abs=1e-5)
+    assert solve_fast(problem, Effort()).bound == pytest.approx(1.8617371, abs=1e-5)
 
 
 def one_vehicle(**changes) -> Problem:
@@ -97,7 +96,7 @@ def one_vehicle(**changes) -> Problem:
 
 def test_the_rest_of_a_charge_runs_at_the_lowest_power():
     problem = one_vehicle()
-    solution = solve_fast(problem, SECONDS)
+    solution = solve_fast(problem, Effort())
     # 11 + 1 kWh would be cheaper, but a charger that runs gives at least 3.3 kW
     assert solution.power_kw[0] == pytest.approx([8.7, 3.3])
     assert solution.bound == pytest.approx(8.7 * 0.05 + 3.3 * 0.1 - 4.2)
@@ -117,7 +116,7 @@ def test_the_rest_of_a_charge_runs_at_the_lowest_power():
 )
 def test_who_cannot_be_served_or_would_cost_is_left_out(changes):
     problem = one_vehicle(**changes)
-    solution = solve_fast(problem, SECONDS)
+    solution = solve_fast(problem, Effort())
     assert not solution.admitted.any()
     assert solution.bound == pytest.approx(0.0, abs=HAIR)
     assert_agrees(problem)
@@ -137,5 +136,5 @@ def test_who_cannot_be_served_or_would_cost_is_left_out(changes):
 )
 def test_who_can_be_served_at_a_gain_is_taken(changes):
     problem = one_vehicle(**changes)
-    assert solve_fast(problem, SECONDS).admitted.all()
+    assert solve_fast(problem, Effort()).admitted.all()
     assert_agrees(problem)

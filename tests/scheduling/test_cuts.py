@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 from evdash.domain.limits import Floats, LimitRows
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.charges import charges_of
 from evdash.scheduling.fast.choices import Prices
 from evdash.scheduling.fast.relaxation import Relaxation, relaxation_of
@@ -169,7 +170,7 @@ def test_no_lp_prices_a_choice_of_contracts_too_high(seed):
         problem = random_problem(rng, max_vehicles=6, max_slots=5)
         relaxation = relaxed(problem, everywhere=False)
         at, program = relaxation.columns, relaxation.program
-        search = search_over(relaxation, 60.0)
+        search = search_over(relaxation, Effort())
         n = problem.n_vehicles
         prices = Prices(np.empty((0, n)), np.empty(0))
         contract = np.arange(n) < problem.n_contracts

@@ -2,12 +2,11 @@
 
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 
-from evdash.errors import SolverFailure
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.problem import Problem
 from evdash.scheduling.shortfall import least_shortfall
@@ -18,7 +17,7 @@ HALF_WAY = 150_000.0
 
 
 def test_a_part_draws_on_the_whole():
-    whole = Effort(work=100.0, seconds=1000.0)
+    whole = Effort(work=100.0)
     part = whole.part(0.5)
     part.spend(30.0)
     assert (part.work, whole.work) == (20.0, 70.0)
@@ -28,17 +27,24 @@ def test_a_part_draws_on_the_whole():
 
 def test_spent_is_spent():
     assert Effort(work=0.0).is_spent
-    assert Effort(seconds=0.0).is_spent
     assert not Effort().is_spent
-    assert not Effort(10.0, 1000.0).part(0.1).is_spent
+    assert not Effort(10.0).part(0.1).is_spent
 
 
 def test_what_was_cut_short_is_known_of_the_whole():
     whole = Effort()
-    whole.part(0.5).part(0.5).cut(by_clock=False)
-    assert (whole.cut_short, whole.by_clock) == (True, False)
-    whole.part(0.5).cut(by_clock=True)
-    assert whole.by_clock
+    whole.part(0.5).part(0.5).cut()
+    assert (whole.cut_short, whole.left_behind) == (True, False)
+    assert not whole.is_spent
+
+
+def test_after_a_solver_that_did_not_come_back_nobody_in_the_whole_asks_another():
+    whole = Effort()
+    other = whole.part(0.5)
+    whole.part(0.5).leave_behind()
+    assert (whole.cut_short, whole.left_behind) == (True, True)
+    assert whole.is_spent
+    assert other.is_spent
 
 
 def crowded() -> Problem:
@@ -70,20 +76,14 @@ def busy(threads: int = 4) -> Iterator[None]:
 
 def test_what_work_cuts_short_is_the_same_on_a_busy_machine_and_said_not_to_be_proven():
     problem = crowded()
-    idle_effort, busy_effort = Effort(HALF_WAY, 600.0), Effort(HALF_WAY, 600.0)
+    idle_effort, busy_effort = Effort(HALF_WAY), Effort(HALF_WAY)
     idle = least_shortfall(problem, idle_effort)
     with busy():
         under_load = least_shortfall(problem, busy_effort)
     assert np.array_equal(idle.power_kw, under_load.power_kw)
     assert idle_effort.work == busy_effort.work
-    assert (idle_effort.cut_short, idle_effort.by_clock) == (True, False)
+    assert idle_effort.cut_short
+    assert not idle_effort.left_behind
     assert not (idle.proven and idle.fewest)
-    longer = least_shortfall(problem, Effort(3 * HALF_WAY, 600.0))
+    longer = least_shortfall(problem, Effort(3 * HALF_WAY))
     assert longer.short_kwh.sum() < idle.short_kwh.sum() - 1.0
-
-
-def test_a_search_the_clock_ended_is_told_apart():
-    effort = Effort(seconds=0.4)
-    with suppress(SolverFailure):
-        least_shortfall(crowded(), effort)
-    assert (effort.cut_short, effort.by_clock) == (True, True)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.highs import WHOLE, LinearProgram, Session
 
 
@@ -23,13 +24,13 @@ def one_column(lower: float = 0.0) -> Session:
 
 @pytest.mark.parametrize(("kind", "value"), [(0, 3.5), (WHOLE, 3.0)], ids=["continuous", "whole"])
 def test_the_bound_is_that_of_the_program_even_with_nothing_to_branch_over(kind, value):
-    outcome = one_column().branched(np.full(1, kind, dtype=np.uint8), 5.0, nodes=10)
+    outcome = one_column().branched(np.full(1, kind, dtype=np.uint8), Effort(), nodes=10)
     assert outcome.values == pytest.approx([value])
     assert outcome.bound == pytest.approx(-value)
 
 
 @pytest.mark.parametrize("kind", [0, WHOLE])
 def test_an_infeasible_program_has_no_values_and_no_finite_bound(kind):
-    outcome = one_column(lower=4.0).branched(np.full(1, kind, dtype=np.uint8), 5.0, nodes=10)
+    outcome = one_column(lower=4.0).branched(np.full(1, kind, dtype=np.uint8), Effort(), nodes=10)
     assert outcome.values is None
     assert outcome.bound == np.inf

@@ -8,6 +8,7 @@ from evdash.errors import SolverFailure
 from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.solver import solve_fast
 from evdash.scheduling.p1 import p1_policy
 from evdash.scheduling.problem import OPTIMALITY_USD, Problem
@@ -20,18 +21,18 @@ def test_without_time_the_tail_is_kept_and_nothing_is_claimed():
     rng = np.random.default_rng(0)
     for _ in range(30):
         problem = random_problem(rng, max_vehicles=12, max_slots=8)
-        solution = solve_fast(problem, 0.0)
+        solution = solve_fast(problem, Effort(0.0))
         value = problem.objective(solution.admitted, solution.power_kw)
         assert violations(problem, solution) == []
         assert value <= problem.tail_objective
-        assert solution.bound <= solve_reference(problem, 60.0).bound + OPTIMALITY_USD
+        assert solution.bound <= solve_reference(problem, Effort()).bound + OPTIMALITY_USD
 
 
 def test_the_same_problem_has_the_same_answer():
     rng = np.random.default_rng(1)
     for _ in range(20):
         problem = random_problem(rng, max_vehicles=12, max_slots=8)
-        one, other = solve_fast(problem, 60.0), solve_fast(problem, 60.0)
+        one, other = solve_fast(problem, Effort()), solve_fast(problem, Effort())
         assert one.bound == other.bound
         assert np.array_equal(one.power_kw, other.power_kw)
 
@@ -54,7 +55,7 @@ def test_contracts_that_cannot_be_kept_are_a_failure():
     # an infeasible tail must not be taken for a plan: ask as the loop asks, with time
     problem.tail_kw[:] = 15.0
     with pytest.raises(SolverFailure):
-        solve_fast(problem, 60.0)
+        solve_fast(problem, Effort())
 
 
 @pytest.mark.parametrize("preset", ["summer-weekday", "negative-price", "past-midnight"])

@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.pricing import added_cost, priced_columns
 from evdash.scheduling.fast.relaxation import Relaxation
 from evdash.scheduling.fast.search import CUT_ROUNDS, Search
@@ -39,7 +40,7 @@ def test_no_choice_costs_less_than_it_is_priced_at(seed):
     rng, tight, priced = np.random.default_rng([23, seed]), 0, 0
     for _ in range(30):
         relaxation = made_from(random_problem(rng))
-        choices, search = choices_of(relaxation), search_over(relaxation, 60.0)
+        choices, search = choices_of(relaxation), search_over(relaxation, Effort())
         costs = [
             np.inf if (point := over(search, choice, choice)) is None else point.objective
             for choice in choices
@@ -66,7 +67,7 @@ def test_it_says_no_less_than_reduced_costs_and_at_times_more():
     rng, more = np.random.default_rng(29), 0
     for _ in range(60):
         relaxation = made_from(random_problem(rng))
-        search, u = search_over(relaxation, 60.0), relaxation.columns.u
+        search, u = search_over(relaxation, Effort()), relaxation.columns.u
         program = relaxation.program
         point = over(search, program.lower[u], program.upper[u])
         if point is None:
@@ -98,7 +99,7 @@ def test_an_lp_is_worth_its_shared_limits_at_their_duals_and_each_vehicles_part(
     rng = np.random.default_rng(37)
     for _ in range(40):
         relaxation = made_from(random_problem(rng))
-        search, program = search_over(relaxation, 60.0), relaxation.program
+        search, program = search_over(relaxation, Effort()), relaxation.program
         point = search.relaxed(CUT_ROUNDS)
         if point is None:
             continue

@@ -6,6 +6,7 @@ import pytest
 from evdash.domain.plan import Plan
 from evdash.horizon.advance import snapshot_of
 from evdash.horizon.day import run_day, start_day, step
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.p1 import p1_policy
 from evdash.scheduling.problem import Problem, Solution
 from evdash.scheduling.reference import solve_reference
@@ -184,7 +185,7 @@ def test_the_tail_is_kept_where_the_solver_has_nothing_cheaper():
     begun = step(start_day(scenario), P1)
     assert begun.state.contracts
 
-    def dear(problem: Problem, seconds: float) -> Solution:
+    def dear(problem: Problem, effort: Effort) -> Solution:
         power_kw = np.array([[8.0, 4.0, 0.0]])
         return Solution(np.array([True]), power_kw, bound=-np.inf)
 

@@ -57,7 +57,7 @@ def branch(
     d = at.d[has_d]
     session.bound(d, settled.on[has_d].astype(np.float64), (~settled.off[has_d]).astype(np.float64))
     outcome = session.branched(
-        kinds, search.seconds_left, nodes=nodes, absolute_gap=absolute_gap, target=target
+        kinds, search.effort, nodes=nodes, absolute_gap=absolute_gap, target=target
     )
     session.bound(np.arange(at.n_pairs), np.zeros(at.n_pairs), top)
     session.bound(d, np.zeros(len(d)), np.ones(len(d)))

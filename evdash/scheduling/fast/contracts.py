@@ -46,7 +46,7 @@ class Doubt:
     @property
     def spent(self) -> bool:
         """Whether the limits are met."""
-        return self.solved >= LPS or len(self.settled) >= LEAVES or self.search.out_of_time
+        return self.solved >= LPS or len(self.settled) >= LEAVES or self.search.effort.is_spent
 
     def with_choice(self, x: Bools) -> Floats:
         """u for a choice (in doubt,): shape (vehicles,)."""

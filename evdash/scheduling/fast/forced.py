@@ -6,23 +6,25 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_matrix, hstack
 
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation, limited_slots
 from evdash.scheduling.fast.search import CUT_ROUNDS
 from evdash.scheduling.fast.solver import made_from, search_over
 from evdash.scheduling.highs import LinearProgram, Session
 from evdash.scheduling.problem import Problem
 
-SECONDS = 5.0
+WORK = 1e7
+"""What a question may take, as `Effort` counts: only a safety."""
 
 
 def lp_bound_with(problem: Problem, vehicle: str) -> float:
     """What P1's value with this request in cannot fall below, $; inf if it cannot be in.
 
-    −inf where the LP was not solved in time: nothing is proven then.
+    −inf where the LP took too much work: nothing is proven then.
     """
     if vehicle not in problem.vehicles:
         return np.inf
-    search = search_over(made_from(problem), SECONDS)
+    search = search_over(made_from(problem), Effort(WORK))
     n = problem.vehicles.index(vehicle)
     if not search.relaxation.charges.servable[n]:
         return np.inf
@@ -37,7 +39,7 @@ def lp_bound_with(problem: Problem, vehicle: str) -> float:
 def least_headroom_kw(problem: Problem, vehicle: str, slots: Sequence[int]) -> float:
     """With less than this more headroom in each of `slots` no plan holds contracts and request, kW.
 
-    inf if none does with any; 0 where the LP was not solved in time: nothing is proven then.
+    inf if none does with any; 0 where the LP took too much work: nothing is proven then.
     """
     if vehicle not in problem.vehicles:
         return np.inf
@@ -46,7 +48,7 @@ def least_headroom_kw(problem: Problem, vehicle: str, slots: Sequence[int]) -> f
     if not relaxation.charges.servable[n]:
         return np.inf
     session = Session(_headroom_bought(relaxation, n, slots))
-    point = session.relaxed(SECONDS)
+    point = session.relaxed(Effort(WORK))
     if point is None:
         return np.inf if session.infeasible else 0.0
     return point.objective

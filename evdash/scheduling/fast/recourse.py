@@ -40,9 +40,9 @@ def completed(search: Search, u: Floats, lp: LpPoint) -> float:
     target = max(search.bound, lp.objective) + TIE_USD
     search.session.bound(search.relaxation.columns.u, u, u)
     rounded(search, lp, target)
-    if search.cost > target and not search.out_of_time:
+    if search.cost > target and not search.effort.is_spent:
         around(search, u, lp, target)
-    if search.cost > target and not search.out_of_time:
+    if search.cost > target and not search.effort.is_spent:
         return all_pairs(search, u, lp, target)
     return lp.objective
 

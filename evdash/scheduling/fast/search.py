@@ -1,11 +1,11 @@
-"""What is known so far in one solve: the best point, the proven bound, the time left."""
+"""What is known so far in one solve: the best point, the proven bound, the effort left."""
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
 
 from evdash.domain.limits import Floats
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation
 from evdash.scheduling.fast.rounding import violated_cuts
 from evdash.scheduling.highs import LpPoint, Session
@@ -24,7 +24,7 @@ class Search:
 
     relaxation: Relaxation
     session: Session
-    ends: float
+    effort: Effort
     admitted: Bools
     power_kw: Floats
     cost: float
@@ -33,14 +33,6 @@ class Search:
     @property
     def problem(self) -> Problem:
         return self.relaxation.problem
-
-    @property
-    def seconds_left(self) -> float:
-        return max(0.01, self.ends - time.perf_counter())
-
-    @property
-    def out_of_time(self) -> bool:
-        return time.perf_counter() >= self.ends
 
     @property
     def target(self) -> float:
@@ -62,7 +54,7 @@ class Search:
 
     def relaxed(self, cut_rounds: int = 0) -> LpPoint | None:
         """The LP under the bounds now set, cut off where its point violates vehicle cuts."""
-        point = self.session.relaxed(self.seconds_left)
+        point = self.session.relaxed(self.effort)
         for _ in range(cut_rounds):
             if point is None:
                 break
@@ -70,7 +62,7 @@ class Search:
             if cuts.count == 0:
                 break
             self.session.add_rows(cuts.matrix(self.relaxation.columns.total), *cuts.limits())
-            point = self.session.relaxed(self.seconds_left)
+            point = self.session.relaxed(self.effort)
         return point
 
     def conflicts(self, values: Floats) -> tuple[Bools, Bools]:

@@ -2,13 +2,13 @@
 
 Every stage works on one program, held open in HiGHS. A point is proven once it costs no more
 than TIE_USD above the bound, and the stages end there. Limits are numbers of branch-and-bound
-nodes, so that the answer is the same on every machine; time is only the last safety.
+nodes and of linear programs, and the effort at last, so that the answer is the same on every
+machine.
 """
-
-import time
 
 import numpy as np
 
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.charges import charges_of
 from evdash.scheduling.fast.contracts import search_contracts
 from evdash.scheduling.fast.full import everything_open
@@ -21,32 +21,32 @@ from evdash.scheduling.highs import LpPoint, Session
 from evdash.scheduling.problem import Problem, Solution
 
 
-def solve_fast(problem: Problem, seconds: float) -> Solution:
+def solve_fast(problem: Problem, effort: Effort) -> Solution:
     """A point of P1 and a proven bound, within a cent of each other unless a limit was met."""
-    return solved(made_from(problem), seconds)
+    return solved(made_from(problem), effort)
 
 
-def solved(relaxation: Relaxation, seconds: float) -> Solution:
+def solved(relaxation: Relaxation, effort: Effort) -> Solution:
     """The same for a relaxation however made."""
-    search = search_over(relaxation, seconds)
+    search = search_over(relaxation, effort)
     root = relaxation_solved(search)
     # a request worth less than the cent of proof is not turned away for it
     if root is None or (search.proven and nobody_new(relaxation, root)):
         return search.solution()
     for stage in STAGES:
         stage(search, root)
-        if search.proven or search.out_of_time:
+        if search.proven or search.effort.is_spent:
             break
     return search.solution()
 
 
-def search_over(relaxation: Relaxation, seconds: float) -> Search:
+def search_over(relaxation: Relaxation, effort: Effort) -> Search:
     """A solve not yet begun: the last plan's tail is the best point known."""
     problem = relaxation.problem
     return Search(
         relaxation=relaxation,
         session=Session(relaxation.program),
-        ends=time.perf_counter() + seconds,
+        effort=effort,
         admitted=np.arange(problem.n_vehicles) < problem.n_contracts,
         power_kw=problem.tail_kw,
         cost=problem.tail_objective,
