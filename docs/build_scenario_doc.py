@@ -93,11 +93,12 @@ totals, verdicts, versions, seed, policy, network model and the scenario's SHA-2
 `scenario/`, the complete scenario with the arrivals that were drawn, to be run and audited
 anywhere. `python -m evdash audit DIR` works it all out again by other means.
 
-DIR, through links if it is one, must be new, empty, or an earlier run's and then `--force` be given:
-those of its files that a run writes change for the new ones all at once, and what else lies there
-stays. It is claimed before the day is run, so that two runs cannot end in one folder. Interrupted,
-the earlier run is put back; if the process is killed, by the next run that is to write there. Nothing
-is written inside a scenario's folder, which could not be read with other files in it.
+DIR, through links if it is one, must be new, empty, or an earlier run's and then `--force` be
+given: those of its files that a run writes change for the new ones all at once, and what else
+lies there stays. It is claimed before the day is run, so that two runs cannot end in one folder.
+Interrupted, the earlier run is put back; if the process is killed, by the next run that is to
+write there. Nothing is written inside a scenario's folder, which could not be read with other
+files in it.
 """
 
 
