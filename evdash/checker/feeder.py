@@ -14,7 +14,7 @@ from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 
 UNIT_KW = 1000.0
-TOLERANCE_KW = 1e-6
+TOLERANCE_KVA = 1e-6
 TOLERANCE_PU = 1e-9
 
 
@@ -38,7 +38,7 @@ class FeederCheck:
         none = np.zeros(scenario.intervals)
         self.base = self.sweep(none)
         self.loaded = _Loaded.between(self.base, self.sweep(none + UNIT_KW), self._rated())
-        self._base_depths = self._depths(none)
+        self._base_depths = self._own_depths()
 
     def _walk(self) -> tuple[list[str], dict[str, str], dict[str, int]]:
         neighbours: dict[str, list[tuple[str, int]]] = {n.node: [] for n in self.scenario.nodes}
@@ -103,7 +103,8 @@ class FeederCheck:
     def breaches(self, station_kw: Floats) -> list[Breach]:
         """Every limit exceeded in any interval, by the station or by the feeder itself."""
         limits, depths = self.loaded.limits, self._depths(station_kw)
-        tolerance = np.array([TOLERANCE_PU if unit == "pu" else TOLERANCE_KW for _, unit in limits])
+        in_pu = np.array([unit == "pu" for _, unit in limits])
+        tolerance = np.where(in_pu, TOLERANCE_PU, TOLERANCE_KVA)
         return [
             Breach(
                 interval=int(t),
@@ -123,13 +124,22 @@ class FeederCheck:
         # the root with its sign, so that charging still worsens a voltage past collapse
         voltage = np.sign(squared) * np.sqrt(np.abs(squared))
         active_kw = loaded.active_kw + loaded.active_per_kw * station_kw
+        over_kva = np.hypot(active_kw, loaded.reactive_kvar) - loaded.rating_kva
         sides = (
             feeder.voltage_min_pu - voltage,
             voltage - feeder.voltage_max_pu,
-            active_kw - loaded.room_kw,
-            -active_kw - loaded.room_kw,
+            np.where(active_kw >= 0, over_kva, 0.0),
+            np.where(active_kw < 0, over_kva, 0.0),
         )
-        return np.maximum(0.0, np.concatenate(sides))
+        return np.asarray(np.maximum(0.0, np.concatenate(sides)))
+
+    def _own_depths(self) -> Floats:
+        """The same without the station. Reactive power alone fills both sides of a rating: the
+        other is not exceeded before active power flows there."""
+        depths, loaded = self._depths(np.zeros(self.scenario.intervals)), self.loaded
+        by_reactive = np.abs(loaded.reactive_kvar) - loaded.rating_kva
+        voltages = np.zeros((len(depths) - 2 * len(by_reactive), self.scenario.intervals))
+        return np.asarray(np.maximum(depths, np.concatenate([voltages, by_reactive, by_reactive])))
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,8 +157,8 @@ class _Loaded:
     """Everything limited, without the station and per kW of it.
 
     `limits`: element and unit, lower and upper voltages first, then both sides of ratings.
-    Shapes: voltages (nodes, intervals) and (nodes, 1); active_kw and room_kw, what reactive
-    power leaves of a rating, (ratings, intervals); active_per_kw (ratings, 1).
+    Shapes: voltages (nodes, intervals) and (nodes, 1); active_kw and reactive_kvar
+    (ratings, intervals); active_per_kw and rating_kva (ratings, 1).
     """
 
     limits: list[tuple[str, str]]
@@ -156,7 +166,8 @@ class _Loaded:
     voltage_sq_per_kw: Floats
     active_kw: Floats
     active_per_kw: Floats
-    room_kw: Floats
+    reactive_kvar: Floats
+    rating_kva: Floats
 
     @classmethod
     def between(cls, base: Sweep, unit: Sweep, rated: list[_Rated]) -> "_Loaded":
@@ -172,15 +183,15 @@ class _Loaded:
             return np.array([sweep.voltage_sq_pu[node] for node in nodes])
 
         reactive = [(base.net_kvar if r.injection else base.flow_kvar)[r.node] for r in rated]
-        ratings = np.array([r.rating_kva for r in rated])[:, None]
         return cls(
             limits=[(f"voltage_min:{node}", "pu") for node in nodes]
             + [(f"voltage_max:{node}", "pu") for node in nodes]
-            + [(r.element, "kW") for r in rated]
-            + [(f"{r.element}:export", "kW") for r in rated],
+            + [(r.element, "kVA") for r in rated]
+            + [(f"{r.element}:export", "kVA") for r in rated],
             voltage_sq_pu=squared(base),
             voltage_sq_per_kw=(squared(unit) - squared(base))[:, :1] / UNIT_KW,
             active_kw=active(base),
             active_per_kw=(active(unit) - active(base))[:, :1] / UNIT_KW,
-            room_kw=np.sqrt(np.maximum(0.0, ratings**2 - np.reshape(reactive, shape) ** 2)),
+            reactive_kvar=np.reshape(reactive, shape),
+            rating_kva=np.reshape([r.rating_kva for r in rated], (-1, 1)),
         )

@@ -15,6 +15,7 @@ from power_grid_model import (
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 from evdash.grid.radial import RadialFeeder
+from evdash.grid.sides import Power, away_from_source
 
 ERROR_TOLERANCE = 1e-10
 MAX_ITERATIONS = 30
@@ -25,13 +26,14 @@ VA_PER_KVA = 1000.0
 
 @dataclass(frozen=True, slots=True)
 class Flows:
-    """AC solutions, NaN where there is none: voltage_pu (flows, nodes), line_kva (flows, lines).
+    """AC solutions, NaN where there is none: voltage_pu (flows, nodes).
 
-    `line_kva` is the larger of both ends, `losses_kw` (flows,) those of all lines.
+    `line_power` (flows, lines, 2), kW + j kvar, is what flows away from the source at the end
+    nearer to it and at the other; `losses_kw` (flows,) are those of all lines.
     """
 
     voltage_pu: Floats
-    line_kva: Floats
+    line_power: Power
     losses_kw: Floats
 
     @property
@@ -44,6 +46,7 @@ class AcBatch:
     """A feeder of constant-power loads, ready for many flows."""
 
     def __init__(self, scenario: Scenario, feeder: RadialFeeder) -> None:
+        self.feeder = feeder
         self.n_nodes, self.n_lines = len(feeder.nodes), len(feeder.lines)
         ids = {name: i for i, name in enumerate((scenario.feeder.source_node, *feeder.nodes))}
         node = initialize_array(DatasetType.input, ComponentType.node, len(ids))
@@ -90,17 +93,18 @@ class AcBatch:
             continue_on_batch_error=True,
             output_component_types={
                 ComponentType.node: ["u_pu"],
-                ComponentType.line: ["s_from", "s_to", "p_from", "p_to"],
+                ComponentType.line: ["p_from", "q_from", "p_to", "q_to"],
             },
         )
         voltage_pu = result[ComponentType.node]["u_pu"][:, 1:].copy()
         line = result[ComponentType.line]
-        line_kva = np.maximum(line["s_from"], line["s_to"]) / VA_PER_KVA
         with np.errstate(all="ignore"):  # where a flow failed, numbers are anything
+            ends = [(line[f"p_{e}"] + 1j * line[f"q_{e}"]) / VA_PER_KVA for e in ("from", "to")]
+            line_power = away_from_source(self.feeder, *ends)
             losses_kw = (line["p_from"] + line["p_to"]).sum(axis=1) / VA_PER_KVA
         failed = self.model.batch_error
         if failed is not None:
             voltage_pu[failed.failed_scenarios] = np.nan
-            line_kva[failed.failed_scenarios] = np.nan
+            line_power[failed.failed_scenarios] = np.nan
             losses_kw[failed.failed_scenarios] = np.nan
-        return Flows(voltage_pu, line_kva, losses_kw)
+        return Flows(voltage_pu, line_power, losses_kw)

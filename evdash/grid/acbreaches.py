@@ -6,6 +6,7 @@ from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 from evdash.grid.acflow import AcResult
+from evdash.grid.sides import EXPORT, Power, by_side, held_by_side
 
 TOLERANCE_PU = 1e-6
 TOLERANCE_KVA = 1e-3
@@ -27,15 +28,12 @@ def ac_breaches(scenario: Scenario, executed: AcResult, base: AcResult) -> tuple
         found += _beyond(f"voltage_min:{node}", low, "pu", TOLERANCE_PU)
         found += _beyond(f"voltage_max:{node}", high, "pu", TOLERANCE_PU)
     for i, line in enumerate(scenario.lines):
-        if line.rating_kva is not None:
-            over = [result.line_kva[:, i] - line.rating_kva for result in (executed, base)]
-            found += _beyond(f"line:{line.name}", over, "kVA", TOLERANCE_KVA)
+        ends = executed.line_power[:, i], base.line_power[:, i]
+        found += _over_rating(f"line:{line.name}", ends, line.rating_kva)
     ratings = {node.node: node.rating_kva for node in scenario.nodes}
     for i, node in enumerate(executed.nodes):
-        rating_kva = ratings[node]
-        if rating_kva is not None:
-            over = [result.node_kva[:, i] - rating_kva for result in (executed, base)]
-            found += _beyond(f"node:{node}", over, "kVA", TOLERANCE_KVA)
+        net = executed.node_power[:, i, None], base.node_power[:, i, None]
+        found += _over_rating(f"node:{node}", net, ratings[node])
     found += _without_solution(scenario, executed, base)
     return tuple(sorted(found, key=lambda breach: breach.interval))
 
@@ -50,7 +48,21 @@ def _without_solution(scenario: Scenario, executed: AcResult, base: AcResult) ->
 
 def _drawing(executed: AcResult, base: AcResult) -> set[int]:
     """Rows in which the station draws power: injections other than without it."""
-    return set(np.flatnonzero((executed.node_kva != base.node_kva).any(axis=1)).tolist())
+    return set(np.flatnonzero((executed.node_power != base.node_power).any(axis=1)).tolist())
+
+
+def _over_rating(
+    element: str, powers: tuple[Power, Power], rating_kva: float | None
+) -> list[Breach]:
+    """Both sides of a rating; `powers` executed and without the station, (intervals, ends)."""
+    if rating_kva is None:
+        return []
+    names = element, element + EXPORT
+    found: list[Breach] = []
+    for name, kva, held_kva in zip(names, by_side(powers[0]), held_by_side(powers[1]), strict=True):
+        over = [each.max(axis=1) - rating_kva for each in (kva, held_kva)]
+        found += _beyond(name, over, "kVA", TOLERANCE_KVA)
+    return found
 
 
 def _beyond(element: str, depths: list[Floats], unit: str, tolerance: float) -> list[Breach]:

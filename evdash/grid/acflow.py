@@ -14,6 +14,7 @@ from evdash.domain.scenario import Scenario
 from evdash.errors import PowerFlowDiverged
 from evdash.grid.lindistflow import Injections, base_injections, with_station
 from evdash.grid.radial import KW_PER_MW, RadialFeeder, radial_feeder
+from evdash.grid.sides import Power, away_from_source
 
 NEWTON = {"numba": False, "tolerance_mva": 1e-8, "init": "flat", "max_iteration": 30}
 LOADS_CHANGE = {"bus_pq": True, "trafo": False, "gen": False}
@@ -23,16 +24,22 @@ LOADS_CHANGE = {"bus_pq": True, "trafo": False, "gen": False}
 class AcResult:
     """AC solution per interval; NaN where there is none.
 
-    Shapes: voltage_pu and node_kva, the net injection, (intervals, nodes); line_kva
-    (intervals, lines), the larger of both ends; losses_kw (intervals,).
+    Powers are kW + j kvar away from the source. Shapes: voltage_pu and node_power, the net load,
+    (intervals, nodes); line_power (intervals, lines, 2), at the end nearer to the source and at
+    the other; losses_kw (intervals,).
     """
 
     nodes: tuple[str, ...]
     lines: tuple[str, ...]
     voltage_pu: Floats
-    line_kva: Floats
-    node_kva: Floats
+    line_power: Power
+    node_power: Power
     losses_kw: Floats
+
+    @property
+    def line_kva(self) -> Floats:
+        """The larger of both ends, (intervals, lines)."""
+        return np.asarray(np.abs(self.line_power).max(axis=-1))
 
     @property
     def diverged(self) -> tuple[int, ...]:
@@ -79,8 +86,8 @@ class AcNetwork:
             nodes=feeder.nodes,
             lines=feeder.lines,
             voltage_pu=np.full((count, len(feeder.nodes)), np.nan),
-            line_kva=np.full((count, len(feeder.lines)), np.nan),
-            node_kva=np.hypot(injections.active_kw, injections.reactive_kvar),
+            line_power=np.full((count, len(feeder.lines), 2), np.nan, dtype=complex),
+            node_power=injections.net_load,
             losses_kw=np.full(count, np.nan),
         )
         for row in range(count):
@@ -92,8 +99,10 @@ class AcNetwork:
                 continue
             ends = self._net.res_line
             result.voltage_pu[row] = self._net.res_bus.vm_pu.to_numpy()[1:]
-            result.line_kva[row] = KW_PER_MW * np.maximum(
-                np.hypot(ends.p_from_mw, ends.q_from_mvar), np.hypot(ends.p_to_mw, ends.q_to_mvar)
+            result.line_power[row] = KW_PER_MW * away_from_source(
+                feeder,
+                (ends.p_from_mw + 1j * ends.q_from_mvar).to_numpy(),
+                (ends.p_to_mw + 1j * ends.q_to_mvar).to_numpy(),
             )
             result.losses_kw[row] = KW_PER_MW * ends.pl_mw.sum()
         return result

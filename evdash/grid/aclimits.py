@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.scenario import Scenario
-from evdash.grid.acbatch import AcBatch
+from evdash.grid.acbatch import AcBatch, Flows
 from evdash.grid.lindistflow import base_injections
 from evdash.grid.radial import radial_feeder
 from evdash.grid.reduction import limit_rows
+from evdash.grid.sides import EXPORT, Power, by_side, held_by_side
 
 POINTS = 12
 """Powers tried at once between the largest known to be allowed and the smallest known not to."""
@@ -38,52 +39,71 @@ class AcFeeder:
         self.injections = base_injections(scenario, self.feeder)
         self.station = self.feeder.node_index(scenario.station.node)
         self.elements = self._element_names()
+        self.rating_kva = np.append(self.feeder.line_rating_kva, self._own_rating_kva())
         every = np.arange(scenario.intervals)
-        self.base_excess = self.excess(every, np.zeros(scenario.intervals))
+        self.allowed = np.maximum(0.0, self._without_station(every))
 
     def _element_names(self) -> tuple[str, ...]:
-        nodes, lines = self.feeder.nodes, self.feeder.lines
+        nodes = self.feeder.nodes
+        ratings = [f"line:{line}" for line in self.feeder.lines]
+        ratings.append(f"node:{self.scenario.station.node}")
         return (
             *(f"voltage_min:{node}" for node in nodes),
             *(f"voltage_max:{node}" for node in nodes),
-            *(f"line:{line}" for line in lines),
-            f"node:{self.scenario.station.node}",
+            *(f"{rated}{side}" for side in ("", EXPORT) for rated in ratings),
             f"power_flow:{self.scenario.station.node}",
         )
 
-    def excess(self, intervals: NDArray[np.int64], station_kw: Floats) -> Floats:
-        """How far each limit is exceeded, negative where kept, (flows, elements).
+    def _own_rating_kva(self) -> float:
+        station = self.scenario.station.node
+        own = next(n.rating_kva for n in self.scenario.nodes if n.node == station)
+        return np.inf if own is None else own
 
-        Voltages in pu, ratings in kVA; without a solution the last column is 1 and the others
-        say nothing (-inf).
+    def excess(self, intervals: NDArray[np.int64], station_kw: Floats) -> Floats:
+        """How far each side of each limit is exceeded, negative where kept, (flows, elements).
+
+        Voltages in pu, ratings in kVA, -inf on the side on which nothing flows; without a
+        solution the last column is 1 and the others say nothing (-inf).
         """
+        flows, node_power = self._solve(intervals, station_kw)
+        return self._excess(flows, by_side(flows.line_power), by_side(node_power))
+
+    def _without_station(self, intervals: NDArray[np.int64]) -> Floats:
+        """The same of what flows without the station, reactive power counted on both sides."""
+        flows, node_power = self._solve(intervals, np.zeros(len(intervals)))
+        return self._excess(flows, held_by_side(flows.line_power), held_by_side(node_power))
+
+    def _solve(self, intervals: NDArray[np.int64], station_kw: Floats) -> tuple[Flows, Power]:
+        """Power flows, and the net load at the station's node (flows,)."""
         active = self.injections.active_kw[intervals].copy()
         active[:, self.station] -= station_kw
         reactive = self.injections.reactive_kvar[intervals]
-        flows = self.batch.solve(active, reactive)
+        own = -(active[:, self.station] + 1j * reactive[:, self.station])
+        return self.batch.solve(active, reactive), own
+
+    def _excess(
+        self, flows: Flows, line_kva: tuple[Floats, Floats], node_kva: tuple[Floats, Floats]
+    ) -> Floats:
         limits = self.scenario.feeder
-        rating = next(
-            node.rating_kva
-            for node in self.scenario.nodes
-            if node.node == self.scenario.station.node
-        )
-        node_kva = np.hypot(active[:, self.station], reactive[:, self.station])
+        rated = [
+            np.column_stack([line.max(axis=2), node]) - self.rating_kva
+            for line, node in zip(line_kva, node_kva, strict=True)
+        ]
         columns = (
             limits.voltage_min_pu - flows.voltage_pu,
             flows.voltage_pu - limits.voltage_max_pu,
-            flows.line_kva - self.feeder.line_rating_kva,
-            (node_kva - (np.inf if rating is None else rating))[:, None],
+            *rated,
         )
         solved = flows.solved[:, None]
         told = np.where(solved, np.hstack(columns), -np.inf)
         return np.hstack([told, np.where(solved, -np.inf, 1.0)])
 
     def worsened(self, intervals: NDArray[np.int64], excess: Floats) -> NDArray[np.bool_]:
-        """Which limits are exceeded by more than without the station, (flows, elements).
+        """Which sides of limits are exceeded by more than without the station, (flows, elements).
 
         A flow without a solution is never allowed, even where the base case has none either.
         """
-        allowed = np.maximum(0.0, self.base_excess[intervals])
+        allowed = self.allowed[intervals]
         allowed[:, -1] = 0.0
         return np.asarray(excess > allowed + self._margins())
 
@@ -96,7 +116,7 @@ class AcFeeder:
         every = np.arange(self.scenario.intervals)
         excess = self.excess(every, station_kw)
         margins = 10 * self._margins()
-        before = np.maximum(0.0, self.base_excess)
+        before = self.allowed.copy()
         # where there is no solution without the station, it may draw nothing on top of that
         before[station_kw > 0, -1] = 0.0
         return [

@@ -31,8 +31,8 @@ class ManyDays:
             nodes=self._feeder.nodes,
             lines=self._feeder.lines,
             voltage_pu=flows.voltage_pu,
-            line_kva=flows.line_kva,
-            node_kva=np.hypot(at.active_kw, at.reactive_kvar),
+            line_power=flows.line_power,
+            node_power=at.net_load,
             losses_kw=flows.losses_kw,
         )
 

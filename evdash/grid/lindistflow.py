@@ -7,6 +7,7 @@ import numpy as np
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Node, Scenario
 from evdash.grid.radial import KW_PER_MW, RadialFeeder
+from evdash.grid.sides import Power
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +16,11 @@ class Injections:
 
     active_kw: Floats
     reactive_kvar: Floats
+
+    @property
+    def net_load(self) -> Power:
+        """What leaves the feeder at each node, kW + j kvar."""
+        return -(self.active_kw + 1j * self.reactive_kvar)
 
 
 def base_injections(scenario: Scenario, feeder: RadialFeeder) -> Injections:

@@ -18,13 +18,15 @@ KW_PER_MW = 1000.0
 class RadialFeeder:
     """A radial feeder as arrays. Nodes are all but the source, in the order of `nodes.csv`.
 
-    `on_way[i, l]` is true where line l lies on the way from the source to node i. Shapes:
-    on_way (nodes, lines), r_pu and x_pu (lines,), rating_kva (lines,) with inf for none.
+    `on_way[i, l]` is true where line l lies on the way from the source to node i, and
+    `starts_at_source[l]` where its from_node is the end nearer to the source. Shapes: on_way
+    (nodes, lines); the others (lines,), line_rating_kva with inf for none.
     """
 
     nodes: tuple[str, ...]
     lines: tuple[str, ...]
     on_way: NDArray[np.bool_]
+    starts_at_source: NDArray[np.bool_]
     r_pu: Floats
     x_pu: Floats
     line_rating_kva: Floats
@@ -99,15 +101,19 @@ def radial_feeder(scenario: Scenario) -> RadialFeeder:
         frozenset((line.from_node, line.to_node)): row for row, line in enumerate(scenario.lines)
     }
     on_way = np.zeros((len(names), len(scenario.lines)), dtype=bool)
+    starts_at_source = np.zeros(len(scenario.lines), dtype=bool)
     for parent, child in _outward(edges, source):
+        row = edges[frozenset((parent, child))]
+        starts_at_source[row] = scenario.lines[row].from_node == parent
         if parent != source:
             on_way[index[child]] = on_way[index[parent]]
-        on_way[index[child], edges[frozenset((parent, child))]] = True
+        on_way[index[child], row] = True
     base_ohm = scenario.feeder.base_kv**2 / scenario.feeder.base_mva
     return RadialFeeder(
         nodes=names,
         lines=tuple(line.name for line in scenario.lines),
         on_way=on_way,
+        starts_at_source=starts_at_source,
         r_pu=np.array([line.r_ohm for line in scenario.lines]) / base_ohm,
         x_pu=np.array([line.x_ohm for line in scenario.lines]) / base_ohm,
         line_rating_kva=np.array(

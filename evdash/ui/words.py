@@ -63,6 +63,7 @@ def markdown_table(rows: Sequence[Mapping[str, object]]) -> str:
 def element_words(element: str, scenario: Scenario) -> str:
     """A binding element as a person would name it."""
     kind, _, name = element.partition(":")
+    side = " against power flowing back" if name.endswith(":export") else ""
     name = name.removesuffix(":export")
     if kind == "voltage_min":
         limit = scenario.feeder.voltage_min_pu
@@ -72,14 +73,14 @@ def element_words(element: str, scenario: Scenario) -> str:
         return f"the highest voltage allowed at node {plain(name)} ({limit:g} pu)"
     if kind == "node":
         rating = next((n.rating_kva for n in scenario.nodes if n.node == name), None)
-        return f"the rating of node {plain(name)} ({rating or 0:g} kVA)"
+        return f"the rating of node {plain(name)} ({rating or 0:g} kVA){side}"
     if kind == "power_flow":
         return f"voltage collapse: beyond it power at node {plain(name)} has no AC solution"
     line = next((line for line in scenario.lines if line.name == name), None)
     if line is None:
         return plain(name)
     ends = f"{plain(line.from_node)}–{plain(line.to_node)}"
-    return f"line or transformer {ends} ({line.rating_kva or 0:g} kVA)"
+    return f"line or transformer {ends} ({line.rating_kva or 0:g} kVA){side}"
 
 
 def decision_title(step: Step, outlook: Outlook) -> str:

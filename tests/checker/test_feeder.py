@@ -73,8 +73,8 @@ def test_a_breach_tells_where_when_and_by_how_much():
         price=[0.1, 0.1],
     )
     (breach,) = FeederCheck(scenario).breaches(np.array([5.0, 12.0]))
-    assert (breach.interval, breach.element, breach.unit) == (1, "line:s-a", "kW")
-    assert (breach.depth, breach.base_depth) == (pytest.approx(12), pytest.approx(0))
+    assert (breach.interval, breach.element, breach.unit) == (1, "line:s-a", "kVA")
+    assert (breach.depth, breach.base_depth) == (pytest.approx(8), 0)  # 42 kW and 40 kvar: 58
 
 
 def test_lines_whose_names_coincide_are_kept_apart():

@@ -79,7 +79,7 @@ def test_one_charger_too_few_is_caught(scenario, contracts):
 def test_a_little_more_than_the_feeder_bears_is_caught(scenario, contracts):
     rated = scenario.lines[0].model_copy(update={"rating_kva": 25 - LITTLE})
     (found,) = problems(scenario.replacing(lines=(rated,)), contracts, SOUND)
-    assert found.startswith("line:s-a exceeded by 0.0001 kW in interval 1")
+    assert found.startswith("line:s-a exceeded by 0.0001 kVA in interval 1")
 
 
 def test_limits_broken_in_the_past_or_by_the_feeder_alone_are_not_the_plans(scenario, contracts):

@@ -52,7 +52,7 @@ def limited_tree(bare: Scenario, network: AcNetwork, seed: int, kind: str) -> Sc
         lowest_pu = float(flow.voltage_pu[0, moved].min())
         return edit_scenario(bare, {"feeder.voltage_min_pu": lowest_pu})
     if kind == "connection":
-        own_kva = float(flow.node_kva[0, flow.nodes.index(bare.station.node)])
+        own_kva = abs(flow.node_power[0, flow.nodes.index(bare.station.node)])
         return with_connection(bare, own_kva)
     way = way_to_station(bare)
     line = way[len(way) // 2] if kind == "transformer" else way[seed % len(way)]
@@ -103,8 +103,8 @@ class Judge:
         base = replace(
             self.base,
             voltage_pu=self.base.voltage_pu[intervals],
-            line_kva=self.base.line_kva[intervals],
-            node_kva=self.base.node_kva[intervals],
+            line_power=self.base.line_power[intervals],
+            node_power=self.base.node_power[intervals],
             losses_kw=self.base.losses_kw[intervals],
         )
         found = ac_breaches(self.scenario, self.flow(intervals, station_kw), base)
