@@ -29,8 +29,6 @@ from evdash.domain.trace import Trace
 from evdash.horizon.day import run_day, start_day
 from evdash.scheduling.p1 import p1_policy
 
-KINDS_OF_REFUSAL = ("unattainable", "too late", "arrives after", "no chargers", "energy costs")
-
 
 @dataclass(frozen=True, slots=True)
 class Result:
@@ -70,7 +68,7 @@ def run_one(seed: int) -> Result:
         problems=tuple(problems_of_day(trace)),
         vehicles=len(trace.inputs.arrivals),
         admitted=len(misses),
-        refusals=Counter(_kind(reason) for reason in _reasons(trace)),
+        refusals=Counter(_kinds(trace)),
         statuses=Counter(report.status for report in reports),
         seconds=tuple(report.seconds for report in reports),
         largest_gap=max(gaps, default=0.0),
@@ -94,13 +92,10 @@ def _full_intervals(trace: Trace) -> tuple[int, int]:
     return int(full), int(filled)
 
 
-def _reasons(trace: Trace) -> Iterable[str]:
-    yield from (refusal.reason for step in trace.steps for refusal in step.plan.refused)
-    yield from (request.refusal for request in trace.inputs.requests[trace.scenario.intervals])
-
-
-def _kind(reason: str) -> str:
-    return next((kind for kind in KINDS_OF_REFUSAL if kind in reason), "no room")
+def _kinds(trace: Trace) -> Iterable[str]:
+    yield from (refusal.reason.kind for step in trace.steps for refusal in step.plan.refused)
+    late = trace.inputs.requests[trace.scenario.intervals]
+    yield from (request.refusal.kind for request in late if request.refusal)
 
 
 FORM = TypeAdapter(Result)

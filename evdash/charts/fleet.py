@@ -57,7 +57,7 @@ def fleet_table(
             "Done, %": _percent(record),
             "Now, kW": round(charging_kw.get(record.vehicle, 0.0), 1),
             "Pays, $": round(record.revenue, 2),
-            "Why not": record.reason,
+            "Why not": record.why_not,
         }
         for record in records
     ]

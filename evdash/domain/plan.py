@@ -6,6 +6,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from evdash.domain.limits import Floats, LimitRows
+from evdash.domain.refusal import Given, RefusalReason
 from evdash.domain.vehicles import Contract, Request
 
 Status = Literal["optimal", "feasible", "fallback"]
@@ -40,7 +41,7 @@ class Refusal:
     """A request turned down, and why."""
 
     vehicle: str
-    reason: str
+    reason: Given
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +92,7 @@ class Policy(Protocol):
     def __call__(self, snapshot: Snapshot, /) -> Plan: ...
 
 
-def tail_plan(snapshot: Snapshot, reason: str, report: SolveReport) -> Plan:
+def tail_plan(snapshot: Snapshot, reason: RefusalReason, report: SolveReport) -> Plan:
     """The previous plan's tail: every contract as already certified, nobody new."""
     return Plan(
         now=snapshot.now,

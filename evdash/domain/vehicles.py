@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Self
 
+from evdash.domain.refusal import GivenOrNone
+
 DRAWN, GUEST = "PEV-", "Guest-"
 """What names begin with of those the generator draws, and of those who come beside all others."""
 ENERGY_TOLERANCE_KWH = 1e-6
@@ -16,7 +18,7 @@ class Request:
 
     `deadline_interval` is the first interval in which it may no longer charge, clipped at
     the end of the horizon. `refusal` is the reason why no schedule whatever could serve
-    it, or empty.
+    it, or None.
     """
 
     vehicle: str
@@ -31,7 +33,7 @@ class Request:
     battery_kwh: float
     soc_in: float
     soc_out: float
-    refusal: str = ""
+    refusal: GivenOrNone = None
 
     @property
     def revenue(self) -> float:

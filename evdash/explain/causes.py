@@ -1,33 +1,36 @@
-"""What refused a vehicle, found by solving again with one thing relaxed."""
+"""What refused a vehicle: the reason its step gave, and what solving again adds to it."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from evdash.domain.refusal import RefusalKind, RefusalReason
 from evdash.domain.vehicles import Request
 from evdash.explain.changes import NOTHING, Change
 from evdash.explain.trials import Trials
-from evdash.horizon.requests import CEIL_TOLERANCE
+from evdash.horizon.requests import refusal_at_the_door
+from evdash.scheduling.refused import reason_of
 
-CauseKind = Literal[
-    "after the end",
-    "no chargers",
-    "unattainable",
-    "end of horizon",
-    "price",
-    "displaced",
+DOOR: tuple[RefusalKind, ...] = ("after the end", "no chargers", "unattainable", "end of horizon")
+"""Refused whatever the others do: no schedule could serve such a request."""
+ROOM: tuple[RefusalKind, ...] = (
+    "feeder",
     "headroom",
     "chargers",
     "headroom or chargers",
     "headroom and chargers",
-    "time",
-    "promises short",
-    "not P1",
-    "not known",
-]
-DOOR: tuple[CauseKind, ...] = ("after the end", "no chargers", "unattainable", "end of horizon")
-"""Refused whatever the others do: no schedule could serve such a request."""
+)
+"""Refused because no plan holds it beside the contracts."""
+OTHERS: tuple[RefusalKind, ...] = (
+    "rule",
+    "kept for others",
+    "best day",
+    "left out",
+    "fallback",
+    "as told",
+)
+"""Not a reason of P1's own, so that P1 may be asked what it would have said."""
 
 REACHED_KW = 1e-6
 
@@ -45,45 +48,32 @@ class Taken:
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """What refused a vehicle.
+    """The reason for which a vehicle was refused, and what solving again adds to it.
 
-    `displaced_by`: newcomers without whom it would have been admitted. `loss` in $: by how
-    much admitting it would have lowered the profit of what was known then; None where no
-    plan with it was found. `energy_cost` in $: what its energy would have cost beside the
-    contracts alone; None unless that is the cause. `then`: what would have refused it next,
-    had there been as much room as it likes; blank if nothing.
+    `displaced_by`: newcomers who took its place. `loss` in $: by how much admitting it would
+    have lowered the profit of what was known then; None where no plan with it was found.
+    `then`: what would have refused it next, had there been as much room as it likes; blank if
+    nothing. `by_pace`: there is room before its return, not at the pace of its own charger.
     """
 
-    kind: CauseKind
+    reason: RefusalReason
     taken: Taken = Taken()
     displaced_by: tuple[Request, ...] = ()
     loss: float | None = None
-    energy_cost: float | None = None
     then: Literal["", "displaced", "price"] = ""
+    by_pace: bool = False
+
+    @property
+    def kind(self) -> RefusalKind:
+        return self.reason.kind
 
 
-def kind_at_the_door(trials: Trials) -> CauseKind | None:
-    """Which of the door's conditions turned the vehicle away; None if it was let in.
-
-    The same order as at the door itself.
-    """
-    request, hours = trials.request, trials.snapshot.interval_hours
-    if not request.refusal:
-        return None
-    if trials.window <= 0:
-        return "after the end"
-    if trials.snapshot.chargers == 0:
-        return "no chargers"
-    return "unattainable" if unattainable(request, hours) else "end of horizon"
-
-
-def unattainable(request: Request, interval_hours: float) -> bool:
-    """Whether no number of intervals, however many, can hold what the vehicle needs."""
-    mean_kw = request.need_kwh / interval_hours
-    fewest = int(np.ceil(mean_kw / request.max_kw - CEIL_TOLERANCE))
-    return max(1, fewest) * min(request.min_kw, mean_kw) > mean_kw + CEIL_TOLERANCE or (
-        request.max_kw < min(request.min_kw, mean_kw) - CEIL_TOLERANCE
-    )
+def at_the_door(trials: Trials) -> RefusalReason | None:
+    """The reason with which the vehicle was turned away at the door; None if it was let in."""
+    given = trials.request.refusal
+    if given is not None and given.kind == "as told":
+        return refusal_at_the_door(trials.inputs.scenario, trials.request) or given
+    return given
 
 
 def unlimited(trials: Trials, *, headroom: bool = False, chargers: bool = False) -> Change:
@@ -94,34 +84,25 @@ def unlimited(trials: Trials, *, headroom: bool = False, chargers: bool = False)
     )
 
 
-def cause_of(trials: Trials) -> Cause:
-    """The cause of a refusal by P1.
+def reason_by_p1(trials: Trials) -> RefusalReason:
+    """What P1 itself says, of the vehicle as it asked."""
+    return reason_of(trials.snapshot, trials.request, trials.base, trials.policy)
 
-    If the vehicle fits beside the contracts, it was money: displaced by newcomers if it would
-    have come in without them, its price if not. If it does not fit, that is relaxed first
-    which is the vehicle's own (the power it can take, so that its time would do), then
-    headroom and chargers, each alone.
-    """
-    if trials.fits():
-        return _outbid(trials)
-    kind: CauseKind
-    with_headroom = trials.fits(unlimited(trials, headroom=True))
-    with_chargers = trials.fits(unlimited(trials, chargers=True))
-    if trials.fits(Change(lifted=True)):
-        kind = "time"
-    elif with_headroom and with_chargers:
-        kind = "headroom or chargers"
-    elif with_headroom:
-        kind = "headroom"
-    elif with_chargers:
-        kind = "chargers"
-    else:
-        kind = "headroom and chargers"
-    return Cause(
-        kind,
-        taken=_taken(trials, with_headroom, with_chargers),
-        then=_next_cause(trials, unlimited(trials, headroom=with_headroom, chargers=with_chargers)),
-    )
+
+def cause_of(trials: Trials, reason: RefusalReason) -> Cause:
+    """What there is to add to a reason of P1's."""
+    if reason.kind in ROOM:
+        with_headroom = reason.kind not in ("chargers", "headroom and chargers")
+        with_chargers = reason.kind in ("chargers", "headroom or chargers")
+        room = unlimited(trials, headroom=with_headroom, chargers=with_chargers)
+        return Cause(
+            reason,
+            taken=_taken(trials, with_headroom, with_chargers),
+            then=_next_cause(trials, room),
+            by_pace=reason.kind != "chargers" and trials.fits(Change(lifted=True)),
+        )
+    by = tuple(r for r in trials.snapshot.requests if r.vehicle in reason.by)
+    return Cause(reason, displaced_by=by, loss=_finite(trials.cost_with() - trials.cost_without))
 
 
 def _next_cause(trials: Trials, room: Change) -> Literal["", "displaced", "price"]:
@@ -131,28 +112,8 @@ def _next_cause(trials: Trials, room: Change) -> Literal["", "displaced", "price
     return "displaced" if trials.admits(replace(room, without=trials.others)) else "price"
 
 
-def _outbid(trials: Trials) -> Cause:
-    loss = _finite(trials.cost_with() - trials.cost_without)
-    alone = Change(without=trials.others)
-    if not trials.admits(alone):
-        more = trials.cost_with(alone) - trials.cost(alone)
-        return Cause("price", loss=loss, energy_cost=_finite(more + trials.request.revenue))
-    return Cause("displaced", displaced_by=_displacers(trials), loss=loss)
-
-
 def _finite(usd: float) -> float | None:
     return float(usd) if np.isfinite(usd) else None
-
-
-def _displacers(trials: Trials) -> tuple[Request, ...]:
-    """The newcomers without whom it would have come in: few of them if few will do."""
-    admitted = frozenset(trials.base.admitted)
-    forced = trials.forced()
-    dropped = admitted - frozenset(forced.admitted if forced else ())
-    for names in (dropped, admitted, trials.others):
-        if names and trials.admits(Change(without=names)):
-            return tuple(r for r in trials.snapshot.requests if r.vehicle in names)
-    return ()
 
 
 def _taken(trials: Trials, with_headroom: bool, with_chargers: bool) -> Taken:

@@ -1,9 +1,10 @@
-"""A cause in a sentence, with its numbers, units and clock times."""
+"""A cause in a sentence: the reason's own clause, then its numbers, units and clock times."""
 
 from collections.abc import Callable, Mapping
 
+from evdash.domain.refusal import RefusalKind
 from evdash.domain.vehicles import Request
-from evdash.explain.causes import Cause, CauseKind
+from evdash.explain.causes import Cause
 from evdash.explain.trials import Trials
 from evdash.explain.words import clock_of, counted, element_words, listed, money
 
@@ -12,24 +13,32 @@ NAMED = 5
 
 def cause_told(trials: Trials, cause: Cause) -> str:
     """Why the vehicle was refused: one sentence."""
-    return f"Refused because {_TELLING[cause.kind](trials, cause)}{_THEN[cause.then]}."
+    return f"Refused because {_told(trials, cause)}."
+
+
+def p1_told(trials: Trials, cause: Cause | None) -> str:
+    """What P1 would have answered where it was not P1 that refused; None: yes."""
+    if cause is None:
+        return "P1, asked at that moment, would have admitted it."
+    return f"P1, asked at that moment, would have refused it because {_told(trials, cause)}."
+
+
+def _told(trials: Trials, cause: Cause) -> str:
+    tell = _TELLING.get(cause.kind)
+    more = tell(trials, cause) if tell else ""
+    return f"{cause.reason.clause}{': ' if more else ''}{more}{_THEN[cause.then]}"
 
 
 def _after_the_end(trials: Trials, _: Cause) -> str:
     request, end = trials.request, clock_of(trials).end(trials.inputs.scenario.intervals - 1)
     return (
-        f"it came at {request.arrival:%H:%M}, after the last interval had begun: its "
-        f"{request.need_kwh:.1f} kWh could be charged from {end} on, when the horizon ends"
+        f"it came at {request.arrival:%H:%M}, and its {request.need_kwh:.1f} kWh could be charged "
+        f"from {end} on, when the horizon ends"
     )
 
 
-def _no_chargers(_: Trials, __: Cause) -> str:
-    return "the station has no chargers"
-
-
-def _unattainable(trials: Trials, _: Cause) -> str:
-    reason = trials.request.refusal.removeprefix("unattainable: ")
-    return f"no whole number of intervals can give what it needs: {reason}"
+def _figures(_: Trials, cause: Cause) -> str:
+    return cause.reason.figures
 
 
 def _end_of_horizon(trials: Trials, _: Cause) -> str:
@@ -37,23 +46,24 @@ def _end_of_horizon(trials: Trials, _: Cause) -> str:
     end = clock.end(trials.inputs.scenario.intervals - 1)
     most = trials.window * request.max_kw * trials.snapshot.interval_hours
     return (
-        f"there is too little time before the horizon's end at {end}: it needs "
-        f"{request.need_kwh:.1f} kWh and takes at most {request.max_kw:g} kW, which makes "
-        f"{most:.1f} kWh in the {clock.lasting(trials.window)} left"
+        f"it ends at {end}; the vehicle needs {request.need_kwh:.1f} kWh and takes at most "
+        f"{request.max_kw:g} kW, which makes {most:.1f} kWh in the {clock.lasting(trials.window)} "
+        "left"
     )
 
 
 def _price(trials: Trials, cause: Cause) -> str:
-    request, window = trials.request, trials.window
-    cheapest = float(trials.snapshot.price_per_kwh[:window].min())
-    if cause.energy_cost is None:
-        return "energy is dearer than its price: even alone it would not have been worth its cost"
-    cost = cause.energy_cost
+    request, reason = trials.request, cause.reason
+    station = {
+        "energy": "at an empty station and without any limit of the feeder",
+        "feeder cost": "at an empty station",
+        "contracts cost": f"{_beside(trials)}",
+    }[reason.kind]
+    cheapest = float(trials.snapshot.price_per_kwh[: trials.window].min())
     told = (
-        f"energy is dearer than its price: beside the contracts alone its "
-        f"{request.need_kwh:.1f} kWh would have cost {money(cost)} "
-        f"({cost / request.need_kwh:.4g} $/kWh) before its return at {_return(trials)}, and it "
-        f"pays {money(request.revenue)} ({request.price_per_kwh:g} $/kWh)"
+        f"{station} its {request.need_kwh:.1f} kWh would add at least {money(reason.cost)} "
+        f"({reason.cost / request.need_kwh:.4g} $/kWh) before its return at {_return(trials)}, "
+        f"and it pays {money(request.revenue)} ({request.price_per_kwh:g} $/kWh)"
     )
     if cheapest >= request.price_per_kwh:
         return f"{told}; even its cheapest hour costs {cheapest:.4g} $/kWh"
@@ -61,12 +71,9 @@ def _price(trials: Trials, cause: Cause) -> str:
 
 
 def _displaced(trials: Trials, cause: Cause) -> str:
-    names = _named(cause.displaced_by) or "other newcomers"
+    names = _named(cause.displaced_by)
     one = len(cause.displaced_by) == 1
-    told = (
-        f"newcomers who pay better took its place: it would have been admitted if {names} "
-        f"{'had' if one else 'had all'} not come"
-    )
+    told = f"it would have come in if {names} {'had' if one else 'had all'} not come"
     if cause.loss is None:
         return told
     return (
@@ -75,52 +82,30 @@ def _displaced(trials: Trials, cause: Cause) -> str:
     )
 
 
+def _feeder(trials: Trials, cause: Cause) -> str:
+    return f"{_headroom_taken(trials, cause)}{_pace(trials, cause)}"
+
+
 def _headroom(trials: Trials, cause: Cause) -> str:
-    return f"of headroom: {_headroom_taken(trials, cause)} {_beside(trials)}"
+    return f"{_headroom_taken(trials, cause)} {_beside(trials)}{_pace(trials, cause)}"
 
 
 def _chargers(trials: Trials, cause: Cause) -> str:
-    return f"of chargers: {_chargers_taken(trials, cause)} {_taken_by(trials)}"
+    return f"{_chargers_taken(trials, cause)} {_taken_by(trials)}"
 
 
 def _either(trials: Trials, cause: Cause) -> str:
+    return f"{_room_taken(trials, cause)} {_beside(trials)}{_pace(trials, cause)}"
+
+
+def _pace(trials: Trials, cause: Cause) -> str:
+    """Where energy would do and its own charger does not."""
+    if not cause.by_pace:
+        return ""
     return (
-        f"of headroom and chargers: {_room_taken(trials, cause)} {_beside(trials)}; "
-        "more of either would make room"
+        f"; in energy there is room for its {trials.request.need_kwh:.1f} kWh before "
+        f"{_return(trials)}, but not at the pace of its own {trials.request.max_kw:g} kW"
     )
-
-
-def _both(trials: Trials, cause: Cause) -> str:
-    return (
-        f"of headroom and chargers together: {_room_taken(trials, cause)} {_beside(trials)}; "
-        "more of only one of them would make no room"
-    )
-
-
-def _time(trials: Trials, cause: Cause) -> str:
-    request = trials.request
-    cut = request.deadline_interval == trials.inputs.scenario.intervals
-    by = "the horizon's end" if cut else "its return"
-    return (
-        f"there is too little time before {by} at {_return(trials)}: in energy there is "
-        f"room for its {request.need_kwh:.1f} kWh, but not at the pace of its own "
-        f"{request.max_kw:g} kW; {_room_taken(trials, cause)} {_beside(trials)}"
-    )
-
-
-def _promises_short(_: Trials, __: Cause) -> str:
-    return (
-        "something happened by which promises already made cannot all be kept; until that is "
-        "over nobody new is admitted"
-    )
-
-
-def _not_p1(trials: Trials, _: Cause) -> str:
-    return "the plan in force was not made by P1, which would have admitted it"
-
-
-def _not_known(trials: Trials, _: Cause) -> str:
-    return "the plan did not admit it; the solver found no answer as to why"
 
 
 _THEN = {
@@ -128,21 +113,21 @@ _THEN = {
     "displaced": "; with enough of it newcomers who pay better would still have come first",
     "price": "; with enough of it its energy would still have cost more than it pays",
 }
-_TELLING: Mapping[CauseKind, Callable[[Trials, Cause], str]] = {
+_TELLING: Mapping[RefusalKind, Callable[[Trials, Cause], str]] = {
     "after the end": _after_the_end,
-    "no chargers": _no_chargers,
-    "unattainable": _unattainable,
+    "unattainable": _figures,
     "end of horizon": _end_of_horizon,
-    "price": _price,
-    "displaced": _displaced,
+    "energy": _price,
+    "feeder cost": _price,
+    "contracts cost": _price,
+    "feeder": _feeder,
     "headroom": _headroom,
     "chargers": _chargers,
     "headroom or chargers": _either,
-    "headroom and chargers": _both,
-    "time": _time,
-    "promises short": _promises_short,
-    "not P1": _not_p1,
-    "not known": _not_known,
+    "headroom and chargers": _either,
+    "outbid": _displaced,
+    "kept for others": _figures,
+    "rule": _figures,
 }
 
 

@@ -4,21 +4,22 @@ Nothing here is called by a step. A day is explained vehicle by vehicle by a gen
 can be left at any vehicle; one picked vehicle by `explain_vehicle`.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from evdash.domain.plan import Policy
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.trace import Inputs, State, Step, Trace
 from evdash.domain.vehicles import Request
 from evdash.errors import SolverFailure
-from evdash.explain.causes import Cause, CauseKind, cause_of, kind_at_the_door
-from evdash.explain.causes_told import cause_told
+from evdash.explain.causes import OTHERS, Cause, at_the_door, cause_of, reason_by_p1
+from evdash.explain.causes_told import cause_told, p1_told
 from evdash.explain.changes import NOTHING, longer
 from evdash.explain.remedies import NoRemedy, Remedy, later_return, remedies_of
 from evdash.explain.remedies_told import remedies_told
 from evdash.explain.terms import other_terms
 from evdash.explain.trials import Plans, Trials
-from evdash.horizon.advance import PROMISES_SHORT, snapshot_of
+from evdash.horizon.advance import snapshot_of
 from evdash.scheduling.p1 import p1_answers
 
 TOGETHER = 9
@@ -53,9 +54,11 @@ def explain_refusal(step: Step, vehicle: str, policy: Policy | None = None) -> E
 
     Raises ValueError if the step did not refuse it.
     """
-    if vehicle not in {refusal.vehicle for refusal in step.plan.refused}:
+    given = _given(step)
+    if vehicle not in given:
         raise ValueError(f"{vehicle} was not refused in interval {step.interval}")
-    return _explained(trials_of(step.inputs, step.before, vehicle, policy, _known(step)))
+    trials = trials_of(step.inputs, step.before, vehicle, policy, _known(step))
+    return _explained(trials, given[vehicle])
 
 
 def explain_vehicle(trace: Trace, vehicle: str, policy: Policy | None = None) -> Explanation:
@@ -76,12 +79,14 @@ class Asked:
     state: State
     vehicles: tuple[str, ...]
     known: Plans = field(default_factory=dict)
+    given: Mapping[str, RefusalReason] = field(default_factory=dict)
 
     def explanations(self, policy: Policy | None = None) -> Iterator[Explanation]:
         """One after the other, each worked out when asked for."""
         plans = dict(self.known)
         for vehicle in self.vehicles:
-            yield _explained(trials_of(self.inputs, self.state, vehicle, policy, plans))
+            trials = trials_of(self.inputs, self.state, vehicle, policy, plans)
+            yield _explained(trials, self.given.get(vehicle))
 
 
 def explained(asked: Asked) -> tuple[Explanation, ...]:
@@ -94,7 +99,7 @@ def refused(trace: Trace) -> Iterator[Asked]:
     for step in trace.steps:
         vehicles = [refusal.vehicle for refusal in step.plan.refused]
         for group in _groups(vehicles):
-            yield Asked(step.inputs, step.before, group, _known(step))
+            yield Asked(step.inputs, step.before, group, _known(step), _given(step))
     for group in _groups([request.vehicle for request in too_late(trace)]):
         yield Asked(trace.inputs, trace.state, group)
 
@@ -113,6 +118,11 @@ def explanations(trace: Trace, policy: Policy | None = None) -> Iterator[Explana
 def too_late(trace: Trace) -> tuple[Request, ...]:
     """Who came after the last interval had begun, once that is known."""
     return trace.inputs.requests[trace.scenario.intervals] if trace.is_over else ()
+
+
+def _given(step: Step) -> dict[str, RefusalReason]:
+    """The reasons a step gave, by vehicle."""
+    return {refusal.vehicle: refusal.reason for refusal in step.plan.refused}
 
 
 def _known(step: Step) -> Plans:
@@ -136,23 +146,39 @@ def trials_of(
     return Trials(inputs, snapshot, request, policy or p1_answers(), {} if plans is None else plans)
 
 
-def _explained(trials: Trials) -> Explanation:
+def _explained(trials: Trials, given: RefusalReason | None = None) -> Explanation:
+    """The explanation of the reason `given` at the step, or else at the door."""
+    door = at_the_door(trials)
+    reason = given if given is not None and given.kind != "as told" else door or given
     try:
-        if trials.request.refusal == PROMISES_SHORT:
-            return _worded(trials, Cause("promises short"), ())
-        door = kind_at_the_door(trials)
         if door is not None:
             return _worded(trials, Cause(door), _remedies_at_the_door(trials, door))
+        if reason is None or reason.kind in OTHERS:
+            return _by_others(trials, reason or RefusalReason("left out"))
         if trials.admits(NOTHING):
-            return _worded(trials, Cause("not P1"), ())
-        cause, remedies = cause_of(trials), remedies_of(trials)
+            return _worded(trials, Cause(reason), ())
+        cause, remedies = cause_of(trials, reason), remedies_of(trials)
         return _worded(trials, _with_hours(trials, cause, remedies), remedies)
     except SolverFailure:
-        return _worded(trials, Cause("not known"), ())
+        return _worded(trials, Cause(reason or RefusalReason("left out")), ())
 
 
-def _remedies_at_the_door(trials: Trials, door: CauseKind) -> tuple[Remedy | NoRemedy, ...]:
-    if door == "after the end":
+def _by_others(trials: Trials, reason: RefusalReason) -> Explanation:
+    """A refusal that is not P1's own: what refused it, and what P1 would have answered."""
+    told = _worded(trials, Cause(reason), ())
+    if trials.admits(NOTHING):
+        return replace(told, detail=f"{told.detail} {p1_told(trials, None)}")
+    cause, remedies = cause_of(trials, reason_by_p1(trials)), remedies_of(trials)
+    by_p1 = _worded(trials, _with_hours(trials, cause, remedies), remedies)
+    remedy = f"By P1: {by_p1.remedy}" if by_p1.remedy else ""
+    detail = f"{told.detail} {p1_told(trials, by_p1.cause)}"
+    return replace(by_p1, cause=Cause(reason), detail=detail, remedy=remedy)
+
+
+def _remedies_at_the_door(trials: Trials, door: RefusalReason) -> tuple[Remedy | NoRemedy, ...]:
+    if door.kind == "promises short":
+        return ()
+    if door.kind == "after the end":
         return (later_return(trials),)
     return (*remedies_of(trials), *other_terms(trials))
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from evdash.explain.causes import kind_at_the_door
+from evdash.explain.causes import at_the_door
 from evdash.explain.remedies import Remedy, RemedyKind, change_by
 from evdash.explain.trials import Trials
 
@@ -25,7 +25,8 @@ def other_terms(trials: Trials) -> tuple[Remedy, ...]:
 def _thresholds(trials: Trials) -> Iterator[tuple[RemedyKind, float]]:
     """By how much, kWh or kW, the request would have to differ to pass the door (decision 3)."""
     request, hours = trials.request, trials.snapshot.interval_hours
-    kind, mean_kw = kind_at_the_door(trials), request.need_kwh / hours
+    door, mean_kw = at_the_door(trials), request.need_kwh / hours
+    kind = None if door is None else door.kind
     if kind == "end of horizon":
         yield "amount", trials.window * request.max_kw * hours - request.need_kwh
     if kind != "unattainable":

@@ -11,6 +11,7 @@ from evdash.domain.vehicles import Request
 from evdash.explain.changes import NOTHING, Change, asked, changed
 from evdash.scheduling.fast.forced import least_headroom_kw, lp_bound_with
 from evdash.scheduling.problem import OPTIMALITY_USD, problem_of
+from evdash.scheduling.refused import forcing_bonus
 
 Plans = dict[tuple[str, Change], Plan]
 """P1's plans by the vehicle a change bears on ("" for all alike) and the change."""
@@ -232,11 +233,7 @@ class Trials:
     @property
     def bonus(self) -> float:
         """More than any two plans can differ by, $."""
-        owed_kwh = sum(contract.owed_kwh for contract in self.snapshot.contracts)
-        asked_kwh = sum(request.need_kwh for request in self.snapshot.requests)
-        dearest = float(np.abs(self.inputs.scenario.price_per_kwh).max())
-        revenue = sum(request.revenue for request in self.snapshot.requests)
-        return float(np.ceil(1 + revenue + 2 * dearest * (owed_kwh + asked_kwh)))
+        return forcing_bonus(self.snapshot, self.inputs.scenario.price_per_kwh)
 
 
 def _objective(plan: Plan) -> float:

@@ -106,15 +106,3 @@ def element_words(element: str, scenario: Scenario) -> str:
         return f"the rating of node {name} ({rating or 0:g} kVA)"
     rating = next((line.rating_kva for line in scenario.lines if line.name == name), None)
     return f"line or transformer {name} ({rating or 0:g} kVA)" if kind == "line" else element
-
-
-def element_name(element: str) -> str:
-    """A binding element in a few words: for labels and cells of a table."""
-    kind, _, name = element.partition(":")
-    words = {
-        "voltage_min": "voltage at",
-        "voltage_max": "voltage at",
-        "node": "rating of node",
-        "power_flow": "voltage collapse at",
-    }
-    return f"{words.get(kind, 'rating of')} {name}" if element else "nothing"

@@ -78,7 +78,7 @@ def refusals_text(race: Race) -> str:
                 one.vehicle,
                 one.option,
                 one.need_kwh,
-                one.reason,
+                str(one.reason),
             ]
             for lap in race.laps
             for one in lap.turned_down

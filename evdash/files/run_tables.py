@@ -122,7 +122,7 @@ def vehicle_rows(trace: Trace) -> list[VehicleRow]:
             need_kwh=record.request.need_kwh,
             deadline_interval=record.request.deadline_interval,
             status=record.status,
-            reason=record.reason,
+            reason=record.why_not,
             delivered_kwh=record.delivered_kwh,
             completed_interval=record.completed_interval,
             revenue=record.revenue,

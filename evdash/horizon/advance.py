@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from evdash.domain.plan import Plan, Snapshot
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.trace import Inputs, State
 from evdash.domain.vehicles import Contract, Request
 
-PROMISES_SHORT = "promises already made cannot all be kept at present; nobody new is admitted"
+PROMISES_SHORT = RefusalReason("promises short")
 
 
 def initial_state(n_intervals: int) -> State:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from evdash.checker.plans import plan_problems
 from evdash.domain.plan import Plan, Policy, Snapshot, SolveReport, energy_cost, tail_plan
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Inputs, LimitCheck, Network, Step, Trace
 from evdash.errors import PowerFlowDiverged, SolverFailure
@@ -105,4 +106,4 @@ def answer_problems(plan: Plan, snapshot: Snapshot) -> list[str]:
 def fallback(snapshot: Snapshot, why: str) -> Plan:
     """The certified tail without new contracts."""
     report = SolveReport("fallback", objective=energy_cost(snapshot, snapshot.tail_kw), note=why)
-    return tail_plan(snapshot, "the solver had no plan in time; nobody new is admitted", report)
+    return tail_plan(snapshot, RefusalReason("fallback"), report)

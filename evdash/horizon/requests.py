@@ -4,7 +4,9 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 from datetime import datetime, timedelta
+from functools import partial
 
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.scenario import Arrival, Scenario
 from evdash.domain.vehicles import Request
 
@@ -66,30 +68,24 @@ def requests_by_interval(
     return tuple(tuple(group) for group in groups)
 
 
-def refusal_at_the_door(scenario: Scenario, request: Request) -> str:
-    """Decision 3: why no schedule whatever could serve the request, or empty."""
+def refusal_at_the_door(scenario: Scenario, request: Request) -> RefusalReason | None:
+    """Decision 3: why no schedule whatever could serve the request, or None."""
     hours = scenario.interval_hours
     mean_kw = request.need_kwh / hours
     lowest_kw = min(request.min_kw, mean_kw)
     slots = request.deadline_interval - request.arrival_interval
     if slots <= 0:
-        return "arrives after the last interval has begun"
+        return RefusalReason("after the end")
     if scenario.station.chargers == 0:
-        return "the station has no chargers"
+        return RefusalReason("no chargers")
+    told = partial(
+        RefusalReason, need_kwh=request.need_kwh, max_kw=request.max_kw, low_kw=lowest_kw
+    )
     if request.max_kw < lowest_kw - CEIL_TOLERANCE:
-        return (
-            f"unattainable: it takes at most {request.max_kw:g} kW, "
-            f"a charger gives at least {lowest_kw:g} kW"
-        )
+        return told("unattainable")
     fewest = math.ceil(mean_kw / request.max_kw - CEIL_TOLERANCE)
     if fewest * lowest_kw > mean_kw + CEIL_TOLERANCE:
-        return (
-            f"unattainable: {request.need_kwh:.2f} kWh is more than {fewest - 1} intervals at "
-            f"{request.max_kw:g} kW and less than {fewest} at {lowest_kw:g} kW"
-        )
+        return told("unattainable", intervals=fewest)
     if fewest > slots:
-        return (
-            f"too late in the day: {request.need_kwh:.1f} kWh takes {fewest} intervals at "
-            f"{request.max_kw:g} kW and only {slots} are left"
-        )
-    return ""
+        return told("end of horizon", intervals=fewest, left=slots)
+    return None

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from evdash.checker.plans import plan_problems
 from evdash.domain.plan import SolveReport, tail_plan
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, InputError, SolverFailure
@@ -36,7 +37,7 @@ def revise(trace: Trace, scenario: Scenario, network: Network | None = None) -> 
     check = limit_check(inputs)
     contracts = trace.state.contracts
     snapshot = replace(snapshot_of(inputs, trace.state), requests=())
-    tail = tail_plan(snapshot, "", SolveReport("feasible"))
+    tail = tail_plan(snapshot, RefusalReason("fallback"), SolveReport("feasible"))
     if not plan_problems(check, contracts, tail):
         return replace(trace, inputs=inputs)
     tail = replace(tail, power_kw=plan_for_contracts(snapshot))

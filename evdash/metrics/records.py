@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from evdash.domain.plan import Status
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.trace import Step, Trace
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Contract, Request
 
@@ -46,7 +47,7 @@ class VehicleRecord:
 
     request: Request
     status: VehicleStatus
-    reason: str
+    reason: RefusalReason | None
     delivered_kwh: float
     completed_interval: int | None
     promised_kwh: float
@@ -54,6 +55,11 @@ class VehicleRecord:
     @property
     def vehicle(self) -> str:
         return self.request.vehicle
+
+    @property
+    def why_not(self) -> str:
+        """Why it was refused, in words; blank if it was not."""
+        return "" if self.reason is None else str(self.reason)
 
     @property
     def revenue(self) -> float:
@@ -126,7 +132,7 @@ def vehicle_records(trace: Trace) -> tuple[VehicleRecord, ...]:
             status: VehicleStatus = "refused"
             if request.vehicle not in reasons:
                 status = _status(request, contract, got, trace.now)
-            reason = reasons.get(request.vehicle, "")
+            reason = reasons.get(request.vehicle)
             completed = last.get(request.vehicle) if status == "charged" else None
             promised = contract.promised_kwh
             records.append(VehicleRecord(request, status, reason, got, completed, promised))
@@ -138,14 +144,11 @@ def vehicle_records(trace: Trace) -> tuple[VehicleRecord, ...]:
 
 
 def refused_by_reason(vehicles: Iterable[VehicleRecord]) -> dict[str, list[VehicleRecord]]:
-    """Who was refused, by reason, most vehicles first; what differs in numbers only is one reason.
-
-    The numbers of a reason stand after its colon.
-    """
+    """Who was refused, by the clause of each kind of reason, most vehicles first."""
     groups: dict[str, list[VehicleRecord]] = {}
     for record in vehicles:
-        if record.status == "refused":
-            groups.setdefault(record.reason.partition(":")[0], []).append(record)
+        if record.reason is not None:
+            groups.setdefault(record.reason.clause, []).append(record)
     return dict(sorted(groups.items(), key=lambda item: -len(item[1])))
 
 

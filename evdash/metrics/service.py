@@ -182,7 +182,7 @@ def acceptance_by_option(vehicles: Sequence[VehicleRecord]) -> dict[str, float |
 
 
 def refused_kwh_by_reason(vehicles: Sequence[VehicleRecord]) -> dict[str, float]:
-    """Energy refused, kWh, by reason, most first; what differs in numbers only is one reason."""
+    """Energy refused, kWh, by reason, most first."""
     refused = {
         reason: sum(record.request.need_kwh for record in records)
         for reason, records in refused_by_reason(vehicles).items()

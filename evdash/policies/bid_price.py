@@ -12,6 +12,7 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.scenario import ArrivalStatistics, GeneratedArrivals, Scenario
 from evdash.domain.vehicles import Request
 from evdash.errors import Fault, InputError
@@ -26,15 +27,15 @@ from evdash.policies.futures import Futures, sample_futures
 from evdash.scheduling.clean import cleaned
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.nearest import nearest_schedule
-from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.p1 import REASON_WORK, p1_answers, p1_plans
 from evdash.scheduling.problem import candidates, problem_of
+from evdash.scheduling.refused import LEFT_OUT, alone_at_the_station, reasoned
 
 SAMPLES = 8
 WORK = 1e7
 """Of finding the nearest schedule, as `Effort` counts; only a safety: nodes decide."""
 CAUTION = 1.0
 """Standard errors by which departing from P1 has to be worth more."""
-KEPT = "kept for others"
 PRICE_DIGITS = 4
 """Prices of capacity are told, and charged, to a hundredth of a cent."""
 
@@ -77,7 +78,7 @@ def anticipating(scenario: Scenario, futures: Futures) -> Policy:
     It departs from P1 only where that is worth more by as much as the futures' own spread
     leaves sure.
     """
-    p1 = p1_policy()
+    p1, answers = p1_plans(), p1_answers(work=REASON_WORK)
 
     def policy(snapshot: Snapshot) -> Plan:
         began = time.perf_counter()
@@ -96,7 +97,7 @@ def anticipating(scenario: Scenario, futures: Futures) -> Policy:
         kept = _refusals(scenario, snapshot, losses, price, ours.admitted)
         return _timed(replace(ours, refused=kept, capacity_price_per_kwh=price), began)
 
-    return policy
+    return reasoned(policy, answers)
 
 
 def _anticipated(
@@ -137,7 +138,7 @@ def _served(
     more = max(0.0, float(price_per_kwh.max()))
     paying = tuple(replace(r, price_per_kwh=r.price_per_kwh + more) for r in chosen)
     asked = replace(snapshot, price_per_kwh=price_per_kwh, requests=paying)
-    admitted = p1_policy()(asked).admitted
+    admitted = p1_plans()(asked).admitted
     return tuple(r for r in chosen if r.vehicle in admitted)
 
 
@@ -177,30 +178,30 @@ def _refusals(
     price: Floats,
     admitted: tuple[str, ...],
 ) -> tuple[Refusal, ...]:
-    """Who is turned down, and what the room was kept for; `losses`, in $, of admitting each."""
+    """Who is turned down, and why; `losses`, in $, are those expected of admitting each."""
     return tuple(
         Refusal(
             request.vehicle,
-            request.refusal
-            or _kept_for(scenario, snapshot, request, price, losses[request.vehicle]),
+            request.refusal or _reason(scenario, snapshot, request, price, losses[request.vehicle]),
         )
         for request in snapshot.requests
         if request.vehicle not in admitted
     )
 
 
-def _kept_for(
+def _reason(
     scenario: Scenario, snapshot: Snapshot, request: Request, price: Floats, loss: float
-) -> str:
+) -> RefusalReason:
+    """What refuses it at an empty station; or that room is kept; or else whatever P1 would say."""
+    alone = alone_at_the_station(snapshot, request)
+    if alone is not None or loss <= 0:
+        return alone or LEFT_OUT
     window = price[: request.deadline_interval - snapshot.now]
-    if not window.any() or loss <= 0:
-        return "no room before its deadline that contracts already made leave"
-    dearest = int(window.argmax())
-    clock = scenario.time_of(snapshot.now + dearest)
-    return (
-        f"{KEPT}: admitting it is expected to lose {loss:.2f} $ more than it pays, "
-        f"room being worth most at {clock:%H:%M} ({window[dearest]:.3f} $/kWh)"
-    )
+    if not window.any():
+        return LEFT_OUT
+    clock = scenario.time_of(snapshot.now + int(window.argmax()))
+    where = f"{clock:%H:%M} (${window.max():.3f}/kWh)"
+    return RefusalReason("kept for others", loss=loss, where=where)
 
 
 def _timed(plan: Plan, began: float) -> Plan:

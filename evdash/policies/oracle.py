@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.trace import Inputs
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Request
 from evdash.horizon.advance import initial_state, snapshot_of
@@ -14,10 +15,10 @@ from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.solver import solved
 from evdash.scheduling.foresight import known_day, known_problem
 from evdash.scheduling.problem import Problem, Solution
+from evdash.scheduling.refused import alone_at_the_station
 
 WORK = 1e9
 """As `Effort` counts; only a safety: nodes decide."""
-NOT_IN_BEST_DAY = "not part of the best day, the whole of it known in advance"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +98,12 @@ def _part(foresight: Foresight, snapshot: Snapshot, began: float) -> Plan:
         power_kw=solution.power_kw[rows, snapshot.now - foresight.first :],
         admitted=admitted,
         refused=tuple(
-            Refusal(request.vehicle, request.refusal or NOT_IN_BEST_DAY)
+            Refusal(
+                request.vehicle,
+                request.refusal
+                or alone_at_the_station(snapshot, request)
+                or RefusalReason("best day"),
+            )
             for request in snapshot.requests
             if request.vehicle not in admitted
         ),

@@ -7,6 +7,7 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from evdash.domain.limits import Floats
+from evdash.domain.refusal import Given
 from evdash.domain.trace import Inputs, Trace
 from evdash.errors import InputError
 from evdash.grid.acflow import AcNetwork, AcResult
@@ -33,7 +34,7 @@ class TurnedDown:
     vehicle: str
     option: str
     need_kwh: float
-    reason: str
+    reason: Given
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,11 +10,13 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
+from evdash.domain.refusal import RefusalReason
+from evdash.domain.vehicles import Request
 from evdash.policies.dispatch import Charge, Precedence, dispatch
 from evdash.scheduling.clean import cleaned
 from evdash.scheduling.problem import Problem, problem_of
+from evdash.scheduling.refused import short_of_headroom
 
-NO_ROOM = "no room: with it, the rule could not serve everyone under contract in time"
 DIGITS = 6
 """Laxities equal to so many digits are equal: ties must not hang on the last bit."""
 
@@ -36,12 +38,13 @@ def least_laxity(charge: Charge, owed_kw: float, slots_left: int) -> tuple[float
 
 def by(precedence: Precedence) -> Policy:
     """The policy that charges, and admits, by a rule of precedence."""
+    rule = (precedence.__doc__ or "").rstrip(".").lower()
 
     def policy(snapshot: Snapshot) -> Plan:
         began = time.perf_counter()
         problem = problem_of(snapshot)
         power_kw, admitted = _admitted_in_turn(problem, precedence)
-        return _plan(snapshot, problem, admitted, power_kw, began)
+        return _plan(snapshot, problem, admitted, power_kw, began=began, rule=rule)
 
     return policy
 
@@ -58,7 +61,7 @@ def uncoordinated(snapshot: Snapshot) -> Plan:
     if power_kw is None:  # whoever full power cannot serve was refused at the door
         power_kw = problem.tail_kw
         everyone = everyone[: problem.n_contracts]
-    return _plan(snapshot, problem, everyone, power_kw, began)
+    return _plan(snapshot, problem, everyone, power_kw, began=began, rule="full power at once")
 
 
 def _admitted_in_turn(problem: Problem, precedence: Precedence) -> tuple[Floats, list[int]]:
@@ -99,7 +102,13 @@ def _charges(problem: Problem, vehicles: list[int]) -> list[Charge]:
 
 
 def _plan(
-    snapshot: Snapshot, problem: Problem, admitted: list[int], power_kw: Floats, began: float
+    snapshot: Snapshot,
+    problem: Problem,
+    admitted: list[int],
+    power_kw: Floats,
+    *,
+    began: float,
+    rule: str,
 ) -> Plan:
     """The plan of those admitted, exact to the last bit; P1 was not solved, so no objective."""
     whole = np.zeros((problem.n_vehicles, problem.n_slots))
@@ -112,9 +121,14 @@ def _plan(
         power_kw=cleaned(problem, chosen, whole)[admitted],
         admitted=vehicles[problem.n_contracts :],
         refused=tuple(
-            Refusal(request.vehicle, request.refusal or NO_ROOM)
+            Refusal(request.vehicle, request.refusal or _reason(snapshot, request, rule))
             for request in snapshot.requests
             if request.vehicle not in vehicles
         ),
         report=SolveReport("feasible", seconds=time.perf_counter() - began),
     )
+
+
+def _reason(snapshot: Snapshot, request: Request, rule: str) -> RefusalReason:
+    """Rules ask for no price: what refuses is the feeder by itself, or else the rule."""
+    return short_of_headroom(snapshot, request) or RefusalReason("rule", where=rule)

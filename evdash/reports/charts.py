@@ -17,7 +17,7 @@ from evdash.charts.schedule import GANTT_MOST, schedule_alt, schedule_figure, sc
 from evdash.charts.standalone import of_finished_day
 from evdash.charts.style import Figure, spans
 from evdash.charts.voltages import voltages_alt, voltages_figure, voltages_table
-from evdash.explain.words import element_name
+from evdash.domain.refusal import element_name
 from evdash.metrics.feeder import flows, gaps
 from evdash.metrics.totals import totals
 from evdash.reports.account import Account

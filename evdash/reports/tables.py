@@ -6,7 +6,8 @@ import numpy as np
 
 from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
-from evdash.explain.words import Clock, element_name
+from evdash.domain.refusal import element_name
+from evdash.explain.words import Clock
 from evdash.grid.radial import radial_feeder
 from evdash.metrics.ac_day import AcDay
 from evdash.metrics.ageing import Ageing
@@ -85,7 +86,7 @@ def reason_rows(account: Account) -> list[Row]:
             "Reason": reason,
             "Vehicles": len(records),
             "Energy refused, kWh": round(sum(r.request.need_kwh for r in records), 1),
-            "For example": f"{records[0].vehicle}: {records[0].reason}",
+            "For example": f"{records[0].vehicle}: {records[0].why_not}",
         }
         for reason, records in refused_by_reason(vehicle_records(account.trace)).items()
     ]
@@ -104,7 +105,7 @@ def decision_rows(account: Account) -> list[Row]:
             "Answer": "refused" if record.status == "refused" else "admitted",
             "Delivered, kWh": round(record.delivered_kwh, 2),
             "Pays, $": round(record.revenue, 2),
-            "Why refused": record.reason,
+            "Why refused": record.why_not,
         }
         for record in vehicle_records(account.trace)
     ]

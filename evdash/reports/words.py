@@ -6,8 +6,9 @@ import numpy as np
 
 from evdash.domain.breach import Breach
 from evdash.domain.events import Event
+from evdash.domain.refusal import element_name
 from evdash.domain.scenario import GeneratedArrivals, Scenario
-from evdash.explain.words import Clock, element_name, element_words
+from evdash.explain.words import Clock, element_words
 from evdash.grid.lindistflow import load_kvar_of
 from evdash.metrics.feeder import Violation, violations
 from evdash.policies.registry import RULES

@@ -9,7 +9,6 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
-from evdash.domain.vehicles import Request
 from evdash.errors import SolverFailure
 from evdash.scheduling.clean import cleaned
 from evdash.scheduling.earliest import earliest_first
@@ -24,11 +23,14 @@ from evdash.scheduling.problem import (
     Solution,
     problem_of,
 )
+from evdash.scheduling.refused import LEFT_OUT, reasoned
 
 WORK = 2e7
 """What an interval may take, as `Effort` counts: a processor 7 to 30 s."""
 EARLIEST_WORK = 1e7
 """The same for the linear program that makes a plan the earliest, which has never come near it."""
+REASON_WORK = 5e6
+"""The same for each small P1 that says why somebody was refused."""
 ROUNDING_USD = 1e-8
 
 Solver = Callable[[Problem, Effort], Solution]
@@ -37,7 +39,15 @@ Choice = Callable[[Problem, Bools, Floats, float], Floats]
 
 
 def p1_policy(solve: Solver = solve_fast, work: float = WORK) -> Policy:
-    """The policy that maximises the profit of what is known now, with so much work."""
+    """The policy that maximises the profit of what is known now, with so much work.
+
+    It says of everyone it refuses why, as far as that can be proven.
+    """
+    return reasoned(p1_plans(solve, work), p1_answers(work=REASON_WORK))
+
+
+def p1_plans(solve: Solver = solve_fast, work: float = WORK) -> Policy:
+    """The same plans without asking why anybody is refused."""
     return partial(_decided, solve, work, _earlier)
 
 
@@ -109,24 +119,9 @@ def refusals(snapshot: Snapshot, problem: Problem, admitted: Bools) -> tuple[Ref
     """Who is turned down, and why."""
     taken = {problem.vehicles[n] for n in np.flatnonzero(admitted)}
     return tuple(
-        Refusal(request.vehicle, request.refusal or reason_of(snapshot, request))
+        Refusal(request.vehicle, request.refusal or LEFT_OUT)
         for request in snapshot.requests
         if request.vehicle not in taken
-    )
-
-
-def reason_of(snapshot: Snapshot, request: Request) -> str:
-    """Why P1 left a request out: a loss at any hour, or no room worth more with it."""
-    slots = request.deadline_interval - snapshot.now
-    cheapest = float(snapshot.price_per_kwh[:slots].min())
-    if cheapest >= request.price_per_kwh:
-        return (
-            f"energy costs at least {cheapest:.4g} $/kWh before its deadline, "
-            f"it pays {request.price_per_kwh:g} $/kWh"
-        )
-    return (
-        "no room before its deadline: the feeder's headroom or the chargers are taken by "
-        "contracts already made or by requests that earn more"
     )
 
 

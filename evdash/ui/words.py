@@ -114,10 +114,10 @@ def decision_lines(step: Step, outlook: Outlook) -> list[str]:
 
 
 def _by_reason(step: Step) -> dict[str, list[str]]:
-    """Who was refused, by the reason without its figures."""
+    """Who was refused, by the kind of reason."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for refusal in step.plan.refused:
-        reasons[refusal.reason.partition(":")[0]].append(refusal.vehicle)
+        reasons[refusal.reason.clause].append(refusal.vehicle)
     return reasons
 
 

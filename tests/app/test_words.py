@@ -7,6 +7,7 @@ import pytest
 
 from evdash.domain.breach import Breach
 from evdash.domain.plan import SolveReport
+from evdash.domain.refusal import CLAUSES
 from evdash.domain.trace import Trace
 from evdash.files.bundled import DEFAULT
 from evdash.files.overrides import edit_scenario
@@ -65,7 +66,7 @@ def test_a_day_that_is_over_says_why_everyone_was_refused_and_what_was_used_up(d
     said = told(over)
     numbers = re.findall(r"\((\d+)\)", said[said.index("Refused:") : said.index(" All chargers")])
     assert sum(map(int, numbers)) == totals(over).refused == 48
-    assert "arrives after the last interval has begun (7)" in said
+    assert f"{CLAUSES['after the end']} (7)" in said
     busy = sum(step.plan.charging[0] == 12 for step in over.steps)
     assert f"All chargers were in use in {busy} of 24 hours; the feeder was full in" in said
     few = told(run_day(start_day(edit_scenario(day.scenario, {"station.chargers": 2})), P1))
@@ -102,7 +103,7 @@ def test_the_decision_names_who_was_refused_and_why(day: Trace) -> None:
     assert lines[0] == f"**{len(evening.requests)} vehicles asked:** " + (
         f"{len(evening.plan.admitted)} admitted, {len(evening.plan.refused)} refused."
     )
-    reasons = {refusal.reason.partition(":")[0] for refusal in evening.plan.refused}
+    reasons = {plain(refusal.reason.clause) for refusal in evening.plan.refused}
     for reason in reasons:
         assert any(reason in text for text in lines)
     assert "Proven optimal to within 1 cent" in lines[-1]

@@ -8,7 +8,7 @@ import numpy as np
 from evdash.domain.limits import LimitRows
 from evdash.domain.plan import Policy, Snapshot
 from evdash.domain.trace import Trace
-from evdash.explain.causes import DOOR
+from evdash.explain.causes import DOOR, OTHERS
 from evdash.explain.changes import changed
 from evdash.explain.refusals import Explanation
 from evdash.explain.remedies import NoRemedy, Remedy, change_by
@@ -20,7 +20,7 @@ def problems_of(trace: Trace, told: Explanation, policy: Policy) -> Iterator[str
     """Everything an explanation says that P1 does not confirm, in words."""
     if not told.cause.kind or not told.detail.startswith("Refused because "):
         yield f"{told.vehicle}: no cause"
-    if told.cause.kind in ("not P1", "not known"):
+    if told.cause.kind in OTHERS:
         yield f"{told.vehicle}: {told.cause.kind}"
     for remedy in told.remedies:
         who = f"{told.vehicle} in interval {told.interval}, {remedy.kind}"

@@ -11,15 +11,15 @@ C2 = {"option": "C2"}
 def test_headroom_set_by_a_rating():
     """One slot, 10 kWh asked: 7 kW are left in it, 3 are missing."""
     told = explained(roomy([7.0, 30.0], vehicles=[vehicle("v", need_kwh=8.0)]))
-    assert told.cause.kind == "headroom"
+    assert told.cause.kind == "feeder"
     assert told.cause.taken.headroom == ((0, "node:a"),)
     assert by(told) == {"headroom": 1.0, "time": 1.0}
     assert helpless(told) == {"chargers", "price"}
     assert told.text == (
-        "Refused because of headroom: from 00:00 to 01:00 the rating of node a (40 kVA) leaves "
-        "too little room for it. It would have been admitted with 1.0 kW more headroom from "
-        "00:00 to 01:00 or with a return 1 h later, at 02:00; more chargers or a higher price "
-        "alone would not have helped."
+        "Refused because the feeder by itself leaves too little headroom before its return: from "
+        "00:00 to 01:00 the rating of node a (40 kVA) leaves too little room. It would have been "
+        "admitted with 1.0 kW more headroom from 00:00 to 01:00 or with a return 1 h later, at "
+        "02:00; more chargers or a higher price alone would not have helped."
     )
 
 
@@ -31,7 +31,7 @@ def test_headroom_set_by_the_transformer():
         vehicles=[vehicle("v", need_kwh=8.0)],
     )
     told = explained(scenario)
-    assert told.cause.kind == "headroom"
+    assert told.cause.kind == "feeder"
     assert told.cause.taken.headroom == ((0, "line:m-a"),)
     assert "line or transformer m-a (40 kVA)" in told.detail
     assert by(told)["headroom"] == 1.0
@@ -46,7 +46,7 @@ def test_headroom_set_by_a_voltage():
         vehicles=[vehicle("v", need_kwh=8.0)],
     )
     told = explained(scenario)
-    assert told.cause.kind == "headroom"
+    assert told.cause.kind == "feeder"
     assert told.cause.taken.headroom == ((0, "voltage_min:b"),)
     assert "the lowest voltage allowed at node b (0.995 pu)" in told.detail
 
@@ -119,7 +119,7 @@ def test_headroom_or_chargers():
     told = explained(scenario)
     assert told.cause.kind == "headroom or chargers"
     assert by(told) == {"chargers": 1, "headroom": 4.0, "time": 1}
-    assert "more of either would make room" in told.detail
+    assert "and more of either would do" in told.detail
 
 
 def test_headroom_and_chargers_only_together():
@@ -144,7 +144,9 @@ def test_too_little_time():
         [30.0, 5.0, 30.0], vehicles=[vehicle("v", need_kwh=16.0)], station={"max_kw": 8.0}
     )
     told = explained(scenario)
-    assert told.cause.kind == "time"
+    assert told.cause.kind == "feeder"
+    assert told.cause.by_pace
+    assert "but not at the pace of its own 8 kW" in told.detail
     assert told.cause.taken.headroom == ((1, "node:a"),)
     assert by(told) == {"headroom": 3.0, "time": 1}
 
@@ -153,8 +155,8 @@ def test_price():
     """Energy at 0.5 $/kWh, the driver pays 0.4; a cent of P1's tolerance on 8 kWh."""
     scenario = roomy([50.0] * 2, price=[0.5, 0.7], vehicles=[vehicle("v", need_kwh=8.0)])
     told = explained(scenario)
-    assert told.cause.kind == "price"
-    assert told.cause.energy_cost == pytest.approx(4.0, abs=0.01)
+    assert told.cause.kind == "energy"
+    assert told.cause.reason.cost == pytest.approx(4.0, abs=1e-9)
     assert told.cause.loss == pytest.approx(0.8, abs=0.01)
     assert "even its cheapest hour costs 0.5 $/kWh" in told.detail
     assert by(told).keys() == {"price"}
@@ -174,7 +176,7 @@ def test_displaced_from_the_cheap_hour():
         station={"max_kw": 8.0},
     )
     told = explained(scenario)
-    assert told.cause.kind == "displaced"
+    assert told.cause.kind == "outbid"
     assert [r.vehicle for r in told.cause.displaced_by] == ["c"]
 
 
@@ -187,8 +189,8 @@ def test_price_where_contracts_have_the_cheap_hour():
         station={"max_kw": 8.0},
     )
     told = explained(scenario)
-    assert told.cause.kind == "price"
-    assert told.cause.energy_cost == pytest.approx(4.8, abs=0.01)
+    assert told.cause.kind == "contracts cost"
+    assert told.cause.reason.cost == pytest.approx(4.8, abs=0.01)
     assert "even its cheapest" not in told.detail
     assert by(told)["headroom"] > 0
 
@@ -208,7 +210,7 @@ def test_displaced_by_a_better_paying_newcomer():
         options=options,
     )
     told = explained(scenario)
-    assert told.cause.kind == "displaced"
+    assert told.cause.kind == "outbid"
     assert [r.vehicle for r in told.cause.displaced_by] == ["rich"]
     assert told.cause.loss == pytest.approx(8 * 0.15, abs=0.011)
     assert "if rich ($3.20) had not come" in told.detail

@@ -49,7 +49,7 @@ def test_random_days(seed):
 def test_the_bundled_day(bundled, told_of_bundled):
     told, problems = judged(bundled, CI_VEHICLES, told_of_bundled)
     assert not problems
-    assert {"headroom", "time", "displaced", "end of horizon", "chargers"} <= {
+    assert {"headroom", "headroom and chargers", "outbid", "end of horizon", "chargers"} <= {
         explanation.cause.kind for explanation in told
     }
 
@@ -65,7 +65,7 @@ def test_under_ac(bundled):
 
 def test_prices_hold_for_any_solver_true_to_a_cent(bundled, told_of_bundled):
     reference = p1_policy(solve_reference)
-    told = [e for e in told_of_bundled if e.cause.kind == "displaced"]
+    told = [e for e in told_of_bundled if e.cause.kind == "outbid"]
     for explanation in told[-4:]:
         price = next(r for r in explanation.remedies if r.kind == "price")
         assert admits(bundled, explanation, price, price.amount, reference)

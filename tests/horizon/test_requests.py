@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from evdash.domain.refusal import RefusalReason
 from evdash.domain.scenario import Scenario
 from evdash.domain.vehicles import Request
 from evdash.horizon.day import run_day, start_day
@@ -42,7 +43,7 @@ def test_who_comes_after_the_last_interval_has_begun_is_refused_for_that():
     assert [r.vehicle for r in trace.inputs.requests[24]] == ["v"]
     asked = trace.inputs.requests[24][0]
     assert asked.arrival_interval == 24
-    assert asked.refusal == "arrives after the last interval has begun"
+    assert asked.refusal == RefusalReason("after the end")
     assert all(not step.requests for step in trace.steps)
 
 
@@ -94,8 +95,9 @@ def test_the_deadline_is_clipped_at_the_horizon():
 
 def test_too_late_to_be_served_before_the_horizon_ends():
     asked = request(vehicle("v", hour=2, need_kwh=25.0, option="C2"))
-    assert asked.refusal == (
-        "too late in the day: 25.0 kWh takes 3 intervals at 10 kW and only 2 are left"
+    assert str(asked.refusal) == (
+        "there is too little time before the horizon's end: 25.0 kWh takes 3 intervals at 10 kW "
+        "and only 2 are left"
     )
 
 
@@ -117,4 +119,5 @@ def test_what_lies_between_whole_intervals_is_unattainable(attainable, need_kwh)
         station={"min_kw": 6.0, "max_kw": 7.0},
         options=[{"name": "C1", "price_per_kwh": 0.4, "average_kw": 3.0}],
     )
-    assert ("unattainable" in asked.refusal) is not attainable
+    assert (asked.refusal is None) is attainable
+    assert attainable or asked.refusal.kind == "unattainable"

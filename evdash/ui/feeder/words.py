@@ -7,8 +7,8 @@ import numpy as np
 
 from evdash.charts.feeder_moment import Moment
 from evdash.domain.outlook import Outlook
+from evdash.domain.refusal import element_name
 from evdash.domain.scenario import Scenario
-from evdash.explain.words import element_name
 from evdash.metrics.feeder import Gap, Violation
 from evdash.ui.words import clock, counted, element_words, plain
 

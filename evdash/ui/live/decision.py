@@ -80,7 +80,7 @@ def _requests(session: Session) -> list[dict[str, object]]:
 def _reasons(session: Session) -> str:
     """Every answer of the last step, as a list: the column is too narrow for a table."""
     step = session.run.trace.steps[-1]
-    reasons = {refusal.vehicle: refusal.reason for refusal in step.plan.refused}
+    reasons = {refusal.vehicle: str(refusal.reason) for refusal in step.plan.refused}
     return "\n".join(
         f"- **{plain(request.vehicle)}**: {plain(reasons.get(request.vehicle, 'admitted'))}"
         for request in step.requests

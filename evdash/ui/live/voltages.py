@@ -10,7 +10,7 @@ from evdash.charts.voltages import (
     voltages_table,
 )
 from evdash.domain.outlook import Outlook
-from evdash.explain.words import element_name
+from evdash.domain.refusal import element_name
 from evdash.metrics.ac import AcPoint
 from evdash.ui.glossary import meaning
 from evdash.ui.parts import chart, small_table, table_below, view

@@ -16,7 +16,6 @@ from evdash.charts.race import (
 )
 from evdash.domain.trace import Inputs
 from evdash.files.race_folder import intervals_text, policies_text, refusals_text
-from evdash.policies.bid_price import KEPT
 from evdash.policies.race import CONTESTANTS, PAPERS, Race
 from evdash.policies.race_words import ANTICIPATING, race_sentences, race_table
 from evdash.policies.registry import RULES
@@ -164,10 +163,10 @@ def _reasons(race: Race) -> None:
             price_alt(race, ANTICIPATING),
         )
     with right:
-        kept = [one for one in lap.turned_down if one.reason.startswith(KEPT)]
+        kept = [one for one in lap.turned_down if one.reason.kind == "kept for others"]
         st.caption(
-            f"{len(kept)} of {len(lap.turned_down)} refusals kept room for others; the rest found "
-            "no room or no gain at all."
+            f"{len(kept)} of {len(lap.turned_down)} refusals kept room for others; the others have "
+            "reasons of their own."
         )
         rows: list[dict[str, object]] = [
             {
@@ -175,7 +174,7 @@ def _reasons(race: Race) -> None:
                 "Vehicle": one.vehicle,
                 "Option": one.option,
                 "Need, kWh": round(one.need_kwh, 1),
-                "Why not": one.reason,
+                "Why not": str(one.reason),
             }
             for one in lap.turned_down
         ]

@@ -31,7 +31,7 @@ def chosen(
         for record in records
         if _is_in(record, choice.group, charging_kw)
         and (not choice.options or record.request.option in choice.options)
-        and text in f"{record.vehicle}\n{record.reason}".casefold()
+        and text in f"{record.vehicle}\n{record.why_not}".casefold()
     ]
     return tuple(sorted(kept, key=ORDERS[choice.order]))
 

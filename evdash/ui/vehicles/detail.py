@@ -125,7 +125,7 @@ def _why(session: Session, day: VehicleDay) -> None:
     """Why it was refused, and what would have admitted it."""
     trace, vehicle = session.run.trace, day.record.vehicle
     st.markdown("##### Why, and what would have admitted it", help=WHY_HELP)
-    st.markdown(f"In short: {plain(day.record.reason)}.")
+    st.markdown(f"In short: {plain(day.record.why_not)}.")
     told_later("why_refused", refused_in(trace, vehicle), vehicle, lambda: told_why(trace, vehicle))
 
 
