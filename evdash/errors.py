@@ -11,13 +11,16 @@ class EvdashError(Exception):
 LONGEST = 300
 
 
+def printable(text: str) -> str:
+    r"""Text with what no screen shows, or obeys instead, written out: `\x1b`, `\n`, `\u202e`."""
+    return "".join(
+        c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in text
+    )
+
+
 def legible(text: str) -> str:
     """Text from outside fit for a message: nothing unprintable, and of bounded length."""
-    short = text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
-    return "".join(
-        c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode()
-        for c in short
-    )
+    return printable(text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…")
 
 
 @dataclass(frozen=True, slots=True)

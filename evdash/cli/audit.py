@@ -2,10 +2,8 @@
 
 import argparse
 
-from rich.console import Console
-from rich.markup import escape
-
 from evdash.audit.audit import audit_run
+from evdash.cli.terminal import Terminal
 
 SHOWN = 40
 BROKEN = 3
@@ -14,31 +12,32 @@ BROKEN = 3
 def audit(options: argparse.Namespace) -> int:
     """Audit a run folder; 3 if anything in it is broken or untrue, 0 otherwise."""
     result = audit_run(options.directory)
-    console = Console(highlight=False)
+    terminal = Terminal()
     run = result.run
     for finding in result.findings[:SHOWN]:
-        console.print(f"  [red]✗[/] {escape(finding)}", soft_wrap=True)
+        terminal.say("  ", ("✗", "red"), f" {finding}")
     if len(result.findings) > SHOWN:
-        console.print(f"    and {len(result.findings) - SHOWN} more")
+        terminal.say(f"    and {len(result.findings) - SHOWN} more")
     by_station = sum(breach.by_station for breach in result.ac)
     own = len(result.ac) - by_station
     if by_station:
-        console.print(f"[bold red]AC: {by_station} limits exceeded by the station[/]")
+        terminal.say((f"AC: {by_station} limits exceeded by the station", "bold red"))
     if own or result.feeder_own:
-        console.print(
-            f"[bold yellow]outside by the feeder itself: {own} limits in AC, "
-            f"{len(result.feeder_own)} in the linearised model[/]"
+        told = (
+            f"outside by the feeder itself: {own} limits in AC, "
+            f"{len(result.feeder_own)} in the linearised model"
         )
+        terminal.say((told, "bold yellow"))
     if result.flow.diverged:
-        console.print(f"[bold red]AC: no solution in {len(result.flow.diverged)} intervals[/]")
+        terminal.say((f"AC: no solution in {len(result.flow.diverged)} intervals", "bold red"))
     if result.findings:
-        console.print(f"[bold red]{len(result.findings)} findings[/]")
+        terminal.say((f"{len(result.findings)} findings", "bold red"))
         return BROKEN
     served = sum(row.status != "refused" for row in run.vehicles)
-    console.print(
-        f"[bold green]ok[/] {escape(run.scenario.name)}: {served} contracts kept, every limit "
+    terminal.say(
+        ("ok", "bold green"),
+        f" {run.scenario.name}: {served} contracts kept, every limit "
         f"of the feeder and the chargers held, {len(run.intervals)} intervals, "
         f"{len(run.voltages)} voltages and all totals worked out again",
-        soft_wrap=True,
     )
     return 0

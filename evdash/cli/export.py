@@ -5,11 +5,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
-from rich.console import Console
-from rich.markup import escape
-
 from evdash.cli.options import add_settings
-from evdash.cli.progress import progress_bar, run_with_progress
+from evdash.cli.progress import run_with_progress
+from evdash.cli.terminal import Terminal, progress_bar
 from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, InputError
 from evdash.explain.worth import day_worths
@@ -72,9 +70,9 @@ def export(options: argparse.Namespace) -> int:
         if getattr(options, name) is not None
     }
     put_files(contents)
-    console = Console(highlight=False)
+    terminal = Terminal()
     for path, content in contents.items():
-        console.print(f"written to {escape(str(path))} ({len(content):,} bytes)", soft_wrap=True)
+        terminal.say(f"written to {path} ({len(content):,} bytes)")
     broken = told.totals.broken or told.verdict.broken_by_station(label.network)
     return BROKEN if broken else 0
 

@@ -4,12 +4,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.markup import escape
-
 from evdash.cli.import_profile import add_profile
 from evdash.cli.import_sessions import add_sessions
 from evdash.cli.into import into_command, into_folder
+from evdash.cli.terminal import Terminal
 from evdash.files.draft import Draft
 from evdash.grid.nets.shipped import SHIPPED
 from evdash.imports.sources import Imported, with_feeder_from, with_workbook_from
@@ -31,17 +29,17 @@ def import_workbook(draft: Draft, options: argparse.Namespace) -> Imported:
 
 def list_networks(_: argparse.Namespace) -> int:
     """Print the networks pandapower ships that can be imported by name."""
-    console = Console(highlight=False)
+    terminal = Terminal()
     for name, told in SHIPPED.items():
-        console.print(f"  [bold]{name:<31}[/] {escape(told)}", soft_wrap=True)
+        terminal.say("  ", (f"{name:<31}", "bold"), f" {told}")
     return 0
 
 
 def write_template(options: argparse.Namespace) -> int:
     """Write templates to fill in."""
-    console = Console(highlight=False)
+    terminal = Terminal()
     for path in write_templates(options.where, options.force):
-        console.print(f"  [bold green]written[/] {escape(str(path))}", soft_wrap=True)
+        terminal.say("  ", ("written", "bold green"), f" {path}")
     return 0
 
 

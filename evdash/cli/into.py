@@ -6,10 +6,8 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.markup import escape
-
 from evdash.cli.options import add_settings
+from evdash.cli.terminal import Terminal
 from evdash.errors import Fault, InputError
 from evdash.files.bundled import DEFAULT
 from evdash.files.draft import Draft
@@ -33,10 +31,10 @@ def into_folder(change: Change) -> Callable[[argparse.Namespace], int]:
             write_draft(options.into, with_overrides(imported.draft, settings))
         except InputError as error:
             raise imported.placed(error) from None
-        console = Console(highlight=False)
+        terminal = Terminal()
         for notice in imported.told:
-            console.print(f"  {escape(notice)}", soft_wrap=True)
-        console.print(f"[bold green]written to[/] {escape(str(options.into))}", soft_wrap=True)
+            terminal.say(f"  {notice}")
+        terminal.say(("written to", "bold green"), f" {options.into}")
         return 0
 
     return command

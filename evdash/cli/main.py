@@ -7,9 +7,6 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
-from rich.markup import escape
-
 from evdash import __version__
 from evdash.cli.audit import audit
 from evdash.cli.export import add_export
@@ -18,8 +15,9 @@ from evdash.cli.options import add_settings
 from evdash.cli.race import add_race
 from evdash.cli.run import run
 from evdash.cli.study import add_study
+from evdash.cli.terminal import Parser, Terminal, check_output
 from evdash.cli.validate import validate
-from evdash.errors import EvdashError, InputError
+from evdash.errors import EvdashError, Fault, InputError
 from evdash.horizon.networks import NETWORKS
 from evdash.policies.registry import RULES
 
@@ -32,34 +30,46 @@ STATUSES = (
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; the exit status."""
-    errors = Console(stderr=True, highlight=False)
-    options = parser().parse_args(arguments)
+    errors = Terminal(stderr=True)
     try:
+        check_output()
+        options = parser().parse_args(arguments)
         return int(options.command(options))
     except InputError as error:
-        count = len(error.faults)
-        errors.print(f"[bold red]{count} fault{'s' if count != 1 else ''} in the input[/]")
-        for fault in error.faults:
-            errors.print(f"  [red]✗[/] {escape(str(fault))}", soft_wrap=True)
-        return WRONG_INPUT
+        return _told(errors, error)
     except EvdashError as error:
-        errors.print(f"[bold red]evdash failed:[/] {escape(str(error))}", soft_wrap=True)
+        errors.say(("evdash failed:", "bold red"), f" {error}")
         return OWN_FAILURE
     except KeyboardInterrupt:
-        errors.print("stopped; nothing was written")
+        errors.say("stopped; nothing was written")
         return OWN_FAILURE
     except Exception as error:  # noqa: BLE001 - the last resort: no traceback is ever shown
         if os.environ.get("EVDASH_TRACEBACK"):
             traceback.print_exc(file=sys.stderr)
-        kind = escape(f"{type(error).__name__}: {error}")
-        errors.print(f"[bold red]evdash failed:[/] {kind}", soft_wrap=True)
-        errors.print("Set EVDASH_TRACEBACK=1 to see where.")
+        if isinstance(error, OSError) and error.filename is not None:
+            return _told(errors, InputError([unusable(error)]))
+        errors.say(("evdash failed:", "bold red"), f" {type(error).__name__}: {error}")
+        errors.say("Set EVDASH_TRACEBACK=1 to see where.")
         return OWN_FAILURE
+
+
+def _told(errors: Terminal, wrong: InputError) -> int:
+    count = len(wrong.faults)
+    errors.say((f"{count} fault{'s' if count != 1 else ''} in the input", "bold red"))
+    for fault in wrong.faults:
+        errors.say("  ", ("✗", "red"), f" {fault}")
+    return WRONG_INPUT
+
+
+def unusable(error: OSError) -> Fault:
+    """A file or folder that the system refuses, as with a name that is too long."""
+    found = f"what the system refuses ({error.strerror})"
+    return Fault(f"{error.filename}", found, "should be a file or folder that can be used")
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    top = argparse.ArgumentParser(
+    top: argparse.ArgumentParser = Parser(
         prog="python -m evdash",
         description="Which electric vehicles can a charging station take on, hour by hour?",
         epilog=STATUSES,

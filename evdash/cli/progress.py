@@ -1,23 +1,10 @@
-"""Progress of long work, on standard error and gone when it is done."""
+"""A day run while a bar tells which interval is being decided."""
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
+from evdash.cli.terminal import progress_bar
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.horizon.day import run_day, start_day
 from evdash.policies.registry import Rule
-
-
-def progress_bar() -> Progress:
-    """A bar with a count and the time left."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
 def run_with_progress(scenario: Scenario, network: Network, rule: Rule) -> Trace:

@@ -3,12 +3,10 @@
 import argparse
 from pathlib import Path
 
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from evdash.cli.options import add_settings
-from evdash.cli.progress import progress_bar
+from evdash.cli.terminal import Terminal, progress_bar
 from evdash.errors import Fault, InputError
 from evdash.files.bundled import DEFAULT
 from evdash.files.exchange import Claim, output_folder
@@ -104,20 +102,21 @@ def _raced(options: argparse.Namespace, claim: Claim | None) -> int:
 
 def print_race(found: Race, out: Path | None) -> None:
     """The race to standard output: figures down, policies across."""
-    console = Console(highlight=False)
-    console.width = max(console.width, TABLE_WIDTH)  # a piped table must not lose its figures
-    title = f"[bold]{escape(found.scenario)}[/]  {found.start:%Y-%m-%d %H:%M}"
-    console.print(f"\n{title}, {found.network}, seed {found.seed}")
+    terminal = Terminal()
+    terminal.width = max(terminal.width, TABLE_WIDTH)  # a piped table must not lose its figures
+    terminal.print()
+    began = f"  {found.start:%Y-%m-%d %H:%M}, {found.network}, seed {found.seed}"
+    terminal.say((found.scenario, "bold"), began)
     table = Table(box=None, header_style="bold", pad_edge=False, padding=(0, 1))
     table.add_column("", no_wrap=True)
     for lap in found.laps:
         table.add_column(lap.policy, justify="right", no_wrap=True)
     for head, cells in race_table(found):
-        table.add_row(escape(head), *cells)
-    console.print(table)
+        table.add_row(head, *cells)
+    terminal.print(table)
     for name, why in found.absent.items():
-        console.print(f"[yellow]{name} did not take part:[/] {escape(why)}", soft_wrap=True)
+        terminal.say((f"{name} did not take part:", "yellow"), f" {why}")
     for sentence in race_sentences(found):
-        console.print(escape(sentence), soft_wrap=True)
+        terminal.say(sentence)
     if out is not None:
-        console.print(f"written to {escape(str(out))}", soft_wrap=True)
+        terminal.say(f"written to {out}")

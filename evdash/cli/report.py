@@ -3,10 +3,10 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
+from evdash.cli.terminal import Terminal, line
 from evdash.domain.breach import Breach
 from evdash.domain.trace import Trace
 from evdash.explain.binding import binding_told
@@ -28,43 +28,43 @@ STATUS_STYLE = {"optimal": "green", "feasible": "yellow", "fallback": "red"}
 
 def print_report(trace: Trace, verdict: Verdict, label: RunLabel, out: Path | None) -> None:
     """Print a finished day to standard output."""
-    console = Console(highlight=False)
+    terminal = Terminal()
     day = totals(trace)
     scenario = trace.scenario
-    console.print()
-    title = f"[bold]{escape(scenario.name)}[/]  {scenario.start:%Y-%m-%d %H:%M}"
-    console.print(f"{title}, policy {label.policy}, {label.network}, seed {label.seed}")
+    terminal.print()
+    began = f"  {scenario.start:%Y-%m-%d %H:%M}, policy {label.policy}, {label.network}, "
+    terminal.say((scenario.name, "bold"), f"{began}seed {label.seed}")
     if trace.scenario.intervals <= HOURLY_ROWS:
-        console.print(_hourly(interval_records(trace)))
-    console.print(_totals(trace, day, label))
-    _print_reasons(console, trace)
-    _print_happenings(console, trace)
-    _print_verdict(console, trace, verdict)
+        terminal.print(_hourly(interval_records(trace)))
+    terminal.print(_totals(trace, day, label))
+    _print_reasons(terminal, trace)
+    _print_happenings(terminal, trace)
+    _print_verdict(terminal, trace, verdict)
     if out is not None:
-        console.print(f"written to {escape(str(out))}", soft_wrap=True)
+        terminal.say(f"written to {out}")
 
 
 def print_explanations(trace: Trace, day: DayExplained) -> None:
     """Every refusal with reason and remedy, what binds when, worths, and each plan revised."""
-    console = Console(highlight=False)
+    terminal = Terminal()
     told = [(refusal.vehicle, refusal.text) for refusal in day.refusals]
-    told += [("What binds", line) for line in binding_told(trace)]
+    told += [("What binds", sentence) for sentence in binding_told(trace)]
     told += [("What more is worth", worth.text) for worth in day.worths]
     told += [("Plan revised", revision.text) for revision in day.revisions if revision.moves]
     for name, text in told:
-        console.print(f"[bold]{escape(name)}[/] {escape(text)}", soft_wrap=True)
+        terminal.say((name, "bold"), f" {text}")
 
 
 def _hourly(records: tuple[IntervalRecord, ...]) -> Table:
     table = Table(box=None, header_style="dim", pad_edge=False, padding=(0, 1, 0, 0))
     for name in ("from", "energy\n$/kWh", "\nasked", "\nadmitted", "\nrefused", "\ncharging"):
-        table.add_column(name, justify="right", no_wrap=True)
+        table.add_column(Text(name), justify="right", no_wrap=True)
     for name in ("station\nkW", "headroom\nkW"):
-        table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("tightest\nlimit", overflow="ellipsis", no_wrap=True)
+        table.add_column(Text(name), justify="right", no_wrap=True)
+    table.add_column(Text("tightest\nlimit"), overflow="ellipsis", no_wrap=True)
     all_proven = all(_needs_no_word(record) for record in records)
     if not all_proven:
-        table.add_column("\nplan", no_wrap=True)
+        table.add_column(Text("\nplan"), no_wrap=True)
     for record in records:
         room = "–" if record.headroom_kw is None else f"{record.headroom_kw:.1f}"
         style = STATUS_STYLE[record.status]
@@ -73,12 +73,12 @@ def _hourly(records: tuple[IntervalRecord, ...]) -> Table:
             f"{record.price_per_kwh:.4f}",
             f"{record.arrived or ''}",
             f"{record.admitted or ''}",
-            f"[bold]{record.refused}[/]" if record.refused else "",
+            line((f"{record.refused or ''}", "bold")),
             f"{record.charging or ''}",
             f"{record.station_kw:.1f}",
             room,
-            escape(record.binding) or "nothing",
-            *([] if all_proven else [f"[{style}]{record.status}[/]"]),
+            record.binding or "nothing",
+            *([] if all_proven else [line((record.status, style))]),
         )
     return table
 
@@ -107,7 +107,7 @@ def _totals(trace: Trace, day: Totals, label: RunLabel) -> Table:
         ("time taken", f"{label.wall_seconds:.1f} s"),
     )
     for name, value in rows:
-        table.add_row(name, f"[bold]{value}[/]")
+        table.add_row(name, line((value, "bold")))
     return table
 
 
@@ -123,13 +123,13 @@ def _solves_p1(trace: Trace) -> bool:
     )
 
 
-def _print_reasons(console: Console, trace: Trace) -> None:
+def _print_reasons(terminal: Terminal, trace: Trace) -> None:
     """Refusals by reason."""
     for reason, records in refused_by_reason(vehicle_records(trace)).items():
-        console.print(f"  {len(records):>4} refused: {escape(reason)}", soft_wrap=True)
+        terminal.say(f"  {len(records):>4} refused: {reason}")
 
 
-def _print_happenings(console: Console, trace: Trace) -> None:
+def _print_happenings(terminal: Terminal, trace: Trace) -> None:
     """What happened on the way, and what it changed."""
 
     def clock(interval: int) -> str:
@@ -137,16 +137,16 @@ def _print_happenings(console: Console, trace: Trace) -> None:
 
     for happening in trace.happenings:
         told = "; ".join(event.told(clock) for event in happening.events)
-        console.print(f"  {clock(happening.interval)} {escape(told)}", soft_wrap=True)
+        terminal.say(f"  {clock(happening.interval)} {told}")
         if happening.short_kwh:
             short = [revision for revision in happening.revisions if revision.short_kwh > 0]
-            console.print(
-                f"        [red]{happening.short_kwh:.1f} kWh promised to {len(short)} vehicles "
-                "cannot be delivered in time[/]",
-                soft_wrap=True,
+            missing = (
+                f"{happening.short_kwh:.1f} kWh promised to {len(short)} vehicles "
+                "cannot be delivered in time"
             )
+            terminal.say("        ", (missing, "red"))
         if happening.note:
-            console.print(f"        {escape(happening.note)}", soft_wrap=True)
+            terminal.say(f"        {happening.note}")
 
 
 def ledger_line(trace: Trace, entry: LedgerEntry) -> str:
@@ -162,10 +162,10 @@ def ledger_line(trace: Trace, entry: LedgerEntry) -> str:
     )
 
 
-def _print_verdict(console: Console, trace: Trace, verdict: Verdict) -> None:
+def _print_verdict(terminal: Terminal, trace: Trace, verdict: Verdict) -> None:
     for entry in ledger(trace):
         if entry.status == "short":
-            console.print(f"[bold red]broken:[/] {escape(ledger_line(trace, entry))}")
+            terminal.say(("broken:", "bold red"), f" {ledger_line(trace, entry)}")
     groups = (
         ("red", "broken by the station, linearised model", verdict.linear, True),
         ("red", "broken by the station in AC", verdict.ac, True),
@@ -175,19 +175,19 @@ def _print_verdict(console: Console, trace: Trace, verdict: Verdict) -> None:
     for colour, told, breaches, by_station in groups:
         mine = [breach for breach in breaches if breach.by_station == by_station]
         if mine:
-            console.print(f"[bold {colour}]{len(mine)} limits {told}:[/]")
-            _print_breaches(console, trace, mine)
+            terminal.say((f"{len(mine)} limits {told}:", f"bold {colour}"))
+            _print_breaches(terminal, trace, mine)
     if verdict.flow.diverged:
         clocks = [f"{trace.scenario.time_of(t):%H:%M}" for t in verdict.flow.diverged]
-        console.print(f"[bold red]AC power flow has no solution at[/] {', '.join(clocks)}")
+        terminal.say(("AC power flow has no solution at", "bold red"), f" {', '.join(clocks)}")
     error = verdict.worst_voltage_error_pu
     if not verdict.linear and not verdict.ac and not verdict.flow.diverged:
-        console.print("[green]every limit kept, in the linearised model and in AC[/]")
+        terminal.say(("every limit kept, in the linearised model and in AC", "green"))
     if error is not None:
-        console.print(f"linearised voltages differ from AC by at most {error:.4f} pu")
+        terminal.say(f"linearised voltages differ from AC by at most {error:.4f} pu")
 
 
-def _print_breaches(console: Console, trace: Trace, breaches: Iterable[Breach]) -> None:
+def _print_breaches(terminal: Terminal, trace: Trace, breaches: Iterable[Breach]) -> None:
     """The worst interval of each element, deepest first."""
     worst: dict[str, Breach] = {}
     counts: dict[str, int] = {}
@@ -198,10 +198,9 @@ def _print_breaches(console: Console, trace: Trace, breaches: Iterable[Breach]) 
     deepest = sorted(worst.values(), key=lambda breach: -breach.depth)
     for breach in deepest[:SHOWN]:
         clock = f"{trace.scenario.time_of(breach.interval):%H:%M}"
-        console.print(
-            f"    {escape(breach.element)}: {counts[breach.element]} intervals, worst "
-            f"{breach.depth:.4g} {breach.unit} beyond at {clock}",
-            soft_wrap=True,
+        terminal.say(
+            f"    {breach.element}: {counts[breach.element]} intervals, worst "
+            f"{breach.depth:.4g} {breach.unit} beyond at {clock}"
         )
     if len(deepest) > SHOWN:
-        console.print(f"    and {len(deepest) - SHOWN} more elements")
+        terminal.say(f"    and {len(deepest) - SHOWN} more elements")

@@ -3,8 +3,9 @@
 import argparse
 import time
 
-from evdash.cli.progress import progress_bar, run_with_progress
+from evdash.cli.progress import run_with_progress
 from evdash.cli.report import print_explanations, print_report
+from evdash.cli.terminal import progress_bar
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.explain.binding import binding_elements

@@ -5,11 +5,9 @@ from collections import Counter
 from pathlib import Path
 
 from filelock import Timeout
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from evdash.cli.terminal import Terminal, progress_bar
 from evdash.domain.study import Band
 from evdash.studies.crew import Crew
 from evdash.studies.engine import Progress as Stand
@@ -79,23 +77,15 @@ def study(options: argparse.Namespace) -> int:
         raise Busy(f"{options.out}: another process is running this study") from error
     _report(found, folder)
     if stopped:
-        Console(stderr=True, highlight=False).print(
-            "stopped; the same command goes on with what is left"
-        )
+        Terminal(stderr=True).say("stopped; the same command goes on with what is left")
     failed = any(result.status == "failed" for result in found.results.values())
     return FAILED if stopped or failed else DONE
 
 
 def _run(folder: StudyFolder, options: argparse.Namespace) -> bool:
     """Run what is left, with progress on stderr; whether it was stopped before its end."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
     runs = folder.read()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with progress_bar() as progress:
         task = progress.add_task("running", total=len(runs.runs))
 
         def told(now: Stand) -> None:
@@ -113,18 +103,18 @@ def _run(folder: StudyFolder, options: argparse.Namespace) -> bool:
 
 def _report(found: Found, folder: StudyFolder) -> None:
     """The bands of the first metrics, failures by reason, and where the tables are."""
-    console = Console(highlight=False)
+    terminal = Terminal()
     study = found.runs.study
-    console.print(f"[bold]{escape(study.name)}[/]  {escape(study.question)}", soft_wrap=True)
+    terminal.say((study.name, "bold"), f"  {study.question}")
     rows = bands(found)
     groups = list(dict.fromkeys(band.group for band in rows))
-    console.print(_table(found, rows, groups[:SHOWN_GROUPS]))
+    terminal.print(_table(found, rows, groups[:SHOWN_GROUPS]))
     if len(groups) > SHOWN_GROUPS:
-        console.print(f"and {len(groups) - SHOWN_GROUPS} more in {SUMMARY}")
+        terminal.say(f"and {len(groups) - SHOWN_GROUPS} more in {SUMMARY}")
     if any(band.days > 1 for band in rows):
-        console.print("median (5 % to 95 % of days)", style="dim")
-    _failures(console, found)
-    console.print(f"written to {escape(str(folder.path))}", soft_wrap=True)
+        terminal.say(("median (5 % to 95 % of days)", "dim"))
+    _failures(terminal, found)
+    terminal.say(f"written to {folder.path}")
 
 
 def _table(found: Found, rows: list[Band], groups: list[tuple[object, ...]]) -> Table:
@@ -134,13 +124,13 @@ def _table(found: Found, rows: list[Band], groups: list[tuple[object, ...]]) -> 
     metrics = found.metrics[:SHOWN_METRICS]
     table = Table(box=None, header_style="dim", pad_edge=False)
     for i in told:
-        table.add_column(escape(names[i]))
+        table.add_column(names[i])
     for metric in metrics:
-        table.add_column(escape(MEASURES[metric].head), justify="right")
+        table.add_column(MEASURES[metric].head, justify="right")
     by_cell = {(band.group, band.metric): band for band in rows}
     for group in groups:
         cells = [_told(by_cell.get((group, metric))) for metric in metrics]
-        table.add_row(*(escape(f"{group[i]}") for i in told), *cells)
+        table.add_row(*(f"{group[i]}" for i in told), *cells)
     return table
 
 
@@ -152,12 +142,12 @@ def _told(band: Band | None) -> str:
     return tell(band.p50) + spread
 
 
-def _failures(console: Console, found: Found) -> None:
+def _failures(terminal: Terminal, found: Found) -> None:
     reasons = Counter(r.reason for r in found.results.values() if r.status == "failed")
     for reason, count in reasons.most_common(SHOWN_REASONS):
-        console.print(f"[bold red]{count} runs failed:[/] {escape(reason)}", soft_wrap=True)
+        terminal.say((f"{count} runs failed:", "bold red"), f" {reason}")
     if len(reasons) > SHOWN_REASONS:
-        console.print(f"    and for {len(reasons) - SHOWN_REASONS} more reasons, in runs.csv")
+        terminal.say(f"    and for {len(reasons) - SHOWN_REASONS} more reasons, in runs.csv")
     missing = len({run.key for run in found.runs.runs} - set(found.results))
     if missing:
-        console.print(f"[yellow]{missing} runs are still to come[/]")
+        terminal.say((f"{missing} runs are still to come", "yellow"))

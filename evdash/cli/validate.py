@@ -2,9 +2,7 @@
 
 import argparse
 
-from rich.console import Console
-from rich.markup import escape
-
+from evdash.cli.terminal import Terminal
 from evdash.domain.scenario import RecordedArrivals
 from evdash.files.scenario_folder import read_scenario
 
@@ -18,8 +16,8 @@ def validate(options: argparse.Namespace) -> int:
     else:
         arrivals = f"about {known.vehicles_per_day:g} arrivals in 24 h, seed {known.seed}"
     told = (
-        f"[bold green]ok[/] {escape(scenario.name)}: {len(scenario.nodes)} nodes, "
+        f" {scenario.name}: {len(scenario.nodes)} nodes, "
         f"{scenario.intervals} intervals of {scenario.interval_minutes} min, {arrivals}"
     )
-    Console(highlight=False).print(told, soft_wrap=True)
+    Terminal().say(("ok", "bold green"), told)
     return 0

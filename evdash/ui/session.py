@@ -14,6 +14,7 @@ import streamlit as st
 from evdash.domain.events import Event
 from evdash.domain.scenario import Arrival, Scenario
 from evdash.domain.trace import Network, Trace
+from evdash.errors import legible
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
 from evdash.ui import keeping
@@ -22,6 +23,7 @@ from evdash.ui.keeping import Keeper
 from evdash.ui.run import Run
 from evdash.ui.solving import policy
 from evdash.ui.whatif import Prompt, Prompted
+from evdash.ui.words import plain
 
 Mode = Literal["idle", "playing", "finishing"]
 T = TypeVar("T")
@@ -212,6 +214,18 @@ def _begun() -> Session:
         await_changes(link)
         run, keeper = keeping.resume(link)
     if run is None:
-        folder = bundled_names().get(st.query_params.get(PRESET, ""), DEFAULT)
+        asked = st.query_params.get(PRESET, "")
+        folder = bundled_names().get(asked, DEFAULT)
         run = runs.open_run(folder, bundled(folder))
+        if asked and asked != folder.name:
+            keeper.said = f"{keeper.said} {no_preset(asked, bundled(folder).name)}".strip()
     return Session(run, keeper)
+
+
+def no_preset(asked: str, opened: str) -> str:
+    """What is said of an address that names a preset there is none of."""
+    names = ", ".join(plain(name) for name in bundled_names())
+    return (
+        f"This address asks for a preset called {plain(legible(asked))}, and there is none: "
+        f"{plain(opened)} was opened. Presets are {names}."
+    )

@@ -78,3 +78,17 @@ def test_a_race_can_be_stopped() -> None:
     assert not racing(at).is_running
     assert racing(at).finished is None
     assert at.button(key="race_start")
+
+
+def test_a_turn_that_cannot_be_waited_for_is_told(tmp_path, monkeypatch) -> None:
+    """A folder in its place cannot be opened as that file, nor another user's be by anybody."""
+    queue = tmp_path / "taken"
+    queue.mkdir()
+    monkeypatch.setattr("evdash.ui.race.racing.QUEUE", queue)
+    at = choose(opened(), "p1", "llf")
+    press(at, "race_start")
+    until_done(at)
+    said = " ".join(error.value for error in at.error).replace("\\", "")
+    assert "another user of this computer" in said
+    assert f"{queue}" in said
+    assert at.button(key="race_start")

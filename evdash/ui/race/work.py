@@ -23,6 +23,10 @@ from evdash.horizon.inputs import prepare
 from evdash.policies.race import Told, race
 
 NICENESS = 5
+NO_TURN = (
+    "Races take turns by a file that cannot be opened, as when another user of this computer has "
+    "begun it; whoever owns it may delete it:"
+)
 SCENARIO, STAND = "scenario", "stand.json"
 State = Literal["waiting", "running", "done", "broken"]
 
@@ -58,7 +62,12 @@ def main(folder: Path, queue: Path, network: Network, policies: list[str]) -> No
     if hasattr(os, "nice"):
         os.nice(NICENESS)
     write_stand(folder, Stand("waiting"))
-    with FileLock(queue):
+    try:
+        turn = FileLock(queue).acquire()
+    except OSError as error:
+        write_stand(folder, Stand("broken", said=f"{NO_TURN} {queue}: {error.strerror}."))
+        return
+    with turn:
         write_stand(folder, Stand("running"))
         try:
             inputs = prepare(read_scenario(folder / SCENARIO), network)

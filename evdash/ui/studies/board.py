@@ -5,6 +5,7 @@ import streamlit as st
 from evdash.errors import EvdashError
 from evdash.studies.shelf import Shelf
 from evdash.ui.studies.handing import handing
+from evdash.ui.studies.mine import said_of_address
 from evdash.ui.studies.pictures import heading, pictures
 from evdash.ui.studies.standing import chosen, standing
 from evdash.ui.words import plain
@@ -24,6 +25,8 @@ def show(shelf: Shelf) -> None:
     """The study looked at, or what this page is for."""
     folder = chosen(shelf)
     if folder is None:
+        if said := said_of_address():
+            st.warning(said, icon=":material/link_off:")
         st.info(INTRODUCTION, icon=":material/query_stats:")
         return
     try:

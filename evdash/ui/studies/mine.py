@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING
 
 import streamlit as st
 
+from evdash.errors import legible
 from evdash.store.place import store_directory
 from evdash.store.runs import new_link
+from evdash.ui.words import plain
 
 if TYPE_CHECKING:
     from evdash.studies.shelf import Shelf
@@ -25,6 +27,16 @@ def keep_address() -> None:
     shelf: Shelf | None = st.session_state.get(KEY)
     if shelf is not None and shelf.owner != said and shelf.folders():
         st.query_params[OWNER] = shelf.owner
+
+
+def said_of_address() -> str:
+    """What a person should know of an address whose studies are not there; empty where they are."""
+    said, shelf = st.query_params.get(OWNER, ""), current_shelf()
+    if not said or shelf.folders():
+        return ""
+    if shelf.owner != said:
+        return f"{plain(legible(said))} in this address is no name of studies: none can be shown."
+    return "No studies are kept under this address any more, or it was not copied whole."
 
 
 def current_shelf() -> "Shelf":

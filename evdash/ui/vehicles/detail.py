@@ -4,6 +4,7 @@ import streamlit as st
 
 from evdash.charts.plan_history import history_alt, history_figure, history_table
 from evdash.charts.vehicle import vehicle_alt, vehicle_figure, vehicle_table
+from evdash.errors import legible
 from evdash.metrics.records import vehicle_records
 from evdash.metrics.vehicles import VehicleDay, plan_history, vehicle_day
 from evdash.ui.parts import chart, table_below, view
@@ -60,7 +61,7 @@ def _nobody(session: Session, picked: str) -> None:
                 if over
                 else f"has not asked by {clock(ahead.clock, ahead)}"
             )
-            st.markdown(f"**{plain(picked)}** {yet}.")
+            st.markdown(f"**{plain(legible(picked))}** {yet}.")
         st.markdown(NOBODY)
 
 

@@ -2,6 +2,7 @@
 
 import streamlit as st
 
+from evdash.errors import legible
 from evdash.metrics.totals import totals
 from evdash.ui.parts import view
 from evdash.ui.session import Session
@@ -32,7 +33,8 @@ def welcome(session: Session, waited_for: str) -> None:
     with st.container(border=True, key="vehicles_start"):
         st.markdown("#### Nobody has asked for a charge yet")
         if waited_for:
-            st.markdown(f"**{plain(waited_for)}** has not asked yet either; it will be shown here.")
+            name = plain(legible(waited_for))
+            st.markdown(f"**{name}** has not asked yet either; if it does, it is shown here.")
         st.markdown(WELCOME)
         step_button(session, "first_step")
 
