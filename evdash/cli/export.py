@@ -23,7 +23,8 @@ from evdash.reports.again import decided_again, earlier_run, is_run_folder
 from evdash.reports.bundle import check_files
 from evdash.reports.html import report_html
 from evdash.reports.network import interval_at, network_json
-from evdash.reports.ocpp import DEFAULT_ZONE, check_zone, profiles_zip
+from evdash.reports.ocpp import DEFAULT_ZONE, check_zone, clock_note, profiles_zip
+from evdash.reports.ocpp_limits import Current, current_of
 from evdash.reports.workbook import workbook_bytes
 
 BROKEN = 3
@@ -33,7 +34,7 @@ Make = Callable[[Account, argparse.Namespace], bytes]
 OUTPUTS: Mapping[str, Make] = {
     "report": lambda told, _: report_html(told).encode(),
     "excel": lambda told, _: workbook_bytes(told),
-    "ocpp": lambda told, options: profiles_zip(told.trace, options.time_zone),
+    "ocpp": lambda told, options: profiles_zip(told.trace, options.time_zone, _current(options)),
     "pandapower": lambda told, options: _network(told, options.at),
     "run_zip": lambda told, _: zipped(dict(told.files), "run"),
 }
@@ -43,6 +44,10 @@ OUTPUTS: Mapping[str, Make] = {
 def _network(told: Account, clock: str) -> bytes:
     interval = interval_at(told.scenario, clock) if clock else None
     return network_json(told.trace, interval).encode()
+
+
+def _current(options: argparse.Namespace) -> Current | None:
+    return current_of(options.amperes) if options.amperes else None
 
 
 def export(options: argparse.Namespace) -> int:
@@ -60,6 +65,7 @@ def export(options: argparse.Namespace) -> int:
         allowed = f"should be from {LEAST_C:g} to {MOST_C:g} °C"
         raise InputError([Fault("--ambient", f"{options.ambient:g} °C", allowed)])
     check_zone(options.time_zone)
+    _current(options)
     trace, label = _day(options)
     if options.at:
         interval_at(trace.scenario, options.at)  # tells what is wrong before the AC power flows
@@ -73,6 +79,8 @@ def export(options: argparse.Namespace) -> int:
     terminal = Terminal()
     for path, content in contents.items():
         terminal.say(f"written to {path} ({len(content):,} bytes)")
+    if options.ocpp is not None and (note := clock_note(trace.scenario, options.time_zone)):
+        terminal.say(note)
     broken = told.totals.broken or told.verdict.broken_by_station(label.network)
     return BROKEN if broken else 0
 
@@ -199,6 +207,12 @@ def _add_conditions(command: argparse.ArgumentParser) -> None:
         metavar="ZONE",
         help="the time zone of the scenario's local times in OCPP profiles, such as "
         "Europe/Berlin (default: %(default)s)",
+    )
+    command.add_argument(
+        "--amperes",
+        default="",
+        metavar="PHASESxVOLTS",
+        help="give OCPP limits in A per phase, too, for outlets connected like this: 3x230, 1x240",
     )
     scenario = command.add_argument_group("how a scenario is run (not for an earlier run)")
     scenario.add_argument("--policy", choices=list(RULES), help="who decides (default: p1)")

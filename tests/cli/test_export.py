@@ -39,12 +39,24 @@ def test_a_run_is_handed_on_as_a_report_and_its_own_files(bundled_run, command, 
 
 def test_workbook_profiles_and_network_go_out_beside_each_other(small_run, command, tmp_path):
     book, profiles, network = tmp_path / "b.xlsx", tmp_path / "o.zip", tmp_path / "n.json"
-    files = ["--excel", book, "--ocpp", profiles, "--pandapower", network, "--at", "01:30"]
+    files = [
+        "--excel",
+        book,
+        "--ocpp",
+        profiles,
+        "--amperes",
+        "1x240",
+        "--pandapower",
+        network,
+        "--at",
+        "01:30",
+    ]
     assert command("export", small_run, *files)[0] == 0
     assert openpyxl.load_workbook(book)["Vehicles"].max_row == 13
     served = {row["vehicle"] for row in table(small_run / "power.csv")}
     with zipfile.ZipFile(profiles) as archive:
         index = json.loads(archive.read("profiles/index.json"))
+        assert f"profiles/ocpp-2.0.1-A/{index[0]['file']}" in archive.namelist()
     assert {row["vehicle"] for row in index} == served
     net = pandapower.from_json(str(network))
     pandapower.runpp(net, numba=False)
@@ -102,6 +114,7 @@ def test_worths_ambient_and_transformer_reach_the_report(small_scenario, command
         (["--report", "r.html", "--transformer", "a-b"], "with a rating"),
         (["--report", "r.html", "--ambient", "nan"], "from -50 to 70"),
         (["--ocpp", "o.zip", "--time-zone", "Mars/Olympus"], "the time zone"),
+        (["--ocpp", "o.zip", "--amperes", "230"], "3x230, 1x240"),
         (["--pandapower", "n.json", "--at", "25:00"], "should be HH:MM"),
         (["--pandapower", "n.json", "--at", "2024-05-07T00:00"], "to before 2024-05-06T04:00"),
         (["--report", "r.html", "--seed", "0", "--policy", "edf"], "--policy, --seed"),
@@ -145,6 +158,7 @@ def test_help_names_every_option(command):
         "--report",
         "--excel",
         "--ocpp",
+        "--amperes",
         "--pandapower",
         "--at",
         "--run-zip",

@@ -6,9 +6,11 @@ from functools import partial
 from zoneinfo import available_timezones
 
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from evdash.charts.style import spans
 from evdash.domain.trace import Trace
+from evdash.errors import InputError
 from evdash.files.draft import zipped
 from evdash.files.run_export import RunLabel, Verdict
 from evdash.files.scenario_folder import scenario_files
@@ -16,17 +18,20 @@ from evdash.metrics.ageing import Thermal
 from evdash.reports.account import Account, account, edited, transformers
 from evdash.reports.html import report_html
 from evdash.reports.network import network_json
-from evdash.reports.ocpp import DEFAULT_ZONE, profiles_zip
+from evdash.reports.ocpp import DEFAULT_ZONE, clock_note, profiles, profiles_zip
+from evdash.reports.ocpp_limits import Current
 from evdash.reports.words import EDITED
 from evdash.reports.workbook import workbook_bytes
 from evdash.ui.apart import apart
 from evdash.ui.handon.checking import Checking
 from evdash.ui.parts import view
 from evdash.ui.session import Session
-from evdash.ui.words import counted, file_stem
+from evdash.ui.words import counted, file_stem, plain
 
 KEY = "evdash:handon"
 POLL_SECONDS = 0.5
+SUPPLIES = (None, *(Current(*of) for of in ((1, 230.0), (3, 230.0), (1, 208.0), (1, 240.0))))
+"""What outlets are usually connected to."""
 POLICY = "p1"
 """Who decides in the app."""
 
@@ -38,6 +43,7 @@ class Wishes:
     thermal: Thermal
     transformer: str
     zone: str
+    current: Current | None
     interval: int
 
 
@@ -113,12 +119,13 @@ def _files(session: Session, verdict: Verdict) -> None:
     tell = partial(_account, trace, verdict, wishes)
     stem = file_stem(trace.scenario.name)
     scenario = partial(_scenario_zip, trace, stem)
+    ocpp = partial(profiles_zip, trace, wishes.zone, wishes.current)
     files: tuple[tuple[str, str, str, str, Callable[[], bytes]], ...] = (
         ("Report", "report.html", "text/html", REPORT, lambda: report_html(tell()).encode()),
         ("Workbook", "run.xlsx", XLSX, WORKBOOK, lambda: workbook_bytes(tell())),
         ("The run's files", "run.zip", ZIP, RUN, lambda: zipped(dict(tell().files), "run")),
         ("Scenario", "scenario.zip", ZIP, SCENARIO, scenario),
-        ("OCPP profiles", "ocpp.zip", ZIP, OCPP, lambda: profiles_zip(trace, wishes.zone)),
+        ("OCPP profiles", "ocpp.zip", ZIP, OCPP, ocpp),
         (
             "pandapower network",
             "pandapower.json",
@@ -196,7 +203,28 @@ def _wishes(session: Session) -> Wishes:
             key="handon_interval",
             help="Loads, generation and the station as in this interval; it has the others, too.",
         )
-    return Wishes(Thermal(ambient_c=ambient_c), transformer or "", zone, interval)
+        current = _current(trace, zone, left)
+    return Wishes(Thermal(ambient_c=ambient_c), transformer or "", zone, current, interval)
+
+
+def _current(trace: Trace, zone: str, place: DeltaGenerator) -> Current | None:
+    """What outlets are connected to, for OCPP limits in A; None for W alone."""
+    current = place.selectbox(
+        "OCPP limits",
+        SUPPLIES,
+        format_func=lambda one: f"in W, and in A at {one.text}" if one else "in W",
+        key="handon_current",
+        help="What an outlet is connected to: as many phases, each at this voltage.",
+    )
+    try:
+        if note := clock_note(trace.scenario, zone):
+            st.caption(plain(note))
+        if current is not None:
+            profiles(trace, zone, current)
+    except InputError as error:
+        st.warning(plain(str(error)), icon=":material/warning:")
+        return None
+    return current
 
 
 def _account(trace: Trace, verdict: Verdict, wishes: Wishes) -> Account:
