@@ -25,10 +25,20 @@ def _blank_is_none(value: object) -> object:
     return None if isinstance(value, str) and not value.strip() else value
 
 
-NAME_PATTERN = r"^\w[^\x00-\x1f\x7f]*$"
+UNSEEN = (
+    r"\x00-\x1f\x7f-\x9f\u2028\u2029"  # control characters, ends of lines
+    r"\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # turn the direction of what follows
+)
+"""Characters that move what stands around them, as part of a pattern."""
+NAME_PATTERN = rf"^\w[^{UNSEEN}]*$"
+TITLE_PATTERN = rf"^[^{UNSEEN}]+$"
+Title = Annotated[
+    str, StringConstraints(strip_whitespace=True, max_length=200, pattern=TITLE_PATTERN)
+]
+"""Text for people, in one line: what a scenario or a study is called."""
 Name = Annotated[str, StringConstraints(strip_whitespace=True, max_length=60, pattern=NAME_PATTERN)]
 """Text naming a node, vehicle or option. It begins with a letter or digit, so that no
-spreadsheet takes an exported cell for a formula, and holds no control characters."""
+spreadsheet takes an exported cell for a formula, and holds nothing that is not seen."""
 
 Number = Annotated[float, Strict()]
 """A number that TOML itself wrote as one (no text, no true/false)."""

@@ -22,6 +22,7 @@ from evdash.domain.fields import (
     Number,
     OptionalNumber,
     Record,
+    Title,
     declare,
     declare_optional,
 )
@@ -241,7 +242,7 @@ class Scenario(Record):
     format: Annotated[Literal[1], BeforeValidator(_one)] = declare(
         "Version of the scenario form", "", 1
     )
-    name: str = declare("Name of the scenario", "", "scenario", min_length=1, max_length=200)
+    name: Title = declare("Name of the scenario", "", "scenario")
     start: LocalTime = declare("Start of interval 0, local time", "", datetime(2020, 7, 15))
     interval_minutes: Count = declare("Length of an interval", "min", 60, ge=5, le=60)
     intervals: Count = declare("Number of intervals", "intervals", 24, ge=1, le=10_000)

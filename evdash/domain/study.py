@@ -10,7 +10,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
-from evdash.domain.fields import Count, Name, Record, declare, declare_default, declare_optional
+from evdash.domain.fields import (
+    Count,
+    Name,
+    Record,
+    Title,
+    declare,
+    declare_default,
+    declare_optional,
+)
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network
 
@@ -78,7 +86,7 @@ class Study(Record):
     format: Annotated[Literal[1], BeforeValidator(_one)] = declare(
         "Version of the study form", "", 1
     )
-    name: str = declare("Name of the study", "", "study", min_length=1, max_length=200)
+    name: Title = declare("Name of the study", "", "study")
     question: str = declare_default("What it is to answer, in a sentence", "", "", max_length=1000)
     base: str = declare_default(
         "Base scenario: a folder or .zip, seen from the study file, or the name of a bundled one",

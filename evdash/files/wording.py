@@ -7,13 +7,14 @@ import annotated_types
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from evdash.domain.fields import TITLE_PATTERN
+
 NUMBER = "should be a number"
 WHOLE = "should be a whole number"
 TABLE = "should be a table of keys"
 WORDS = {
     "missing": "should be given",
     "string_type": "should be text",
-    "string_pattern_mismatch": "should begin with a letter or digit and hold no control characters",
     "string_too_short": "should not be blank",
     "string_too_long": "should have at most {max_length} characters",
     "float_type": NUMBER,
@@ -46,12 +47,19 @@ MARKS = {
 def allowed(details: ErrorDetails) -> str:
     """What would have been right in place of what was found."""
     kind = details["type"]
-    if kind == "string_pattern_mismatch" and not str(details["input"]).strip():
-        return "should not be blank"
+    if kind == "string_pattern_mismatch":
+        return _allowed_text(str(details["input"]), details["ctx"]["pattern"])
     if kind in WORDS:
         return WORDS[kind].format_map(_tidy(details.get("ctx", {})))
     message = str(details["msg"]).removeprefix("Value error, ").replace("Input should", "should")
     return message[:1].lower() + message[1:]
+
+
+def _allowed_text(text: str, pattern: str) -> str:
+    if not text.strip():
+        return "should not be blank"
+    begin = "" if pattern == TITLE_PATTERN else "begin with a letter or digit and "
+    return f"should {begin}hold no control characters, such as line breaks"
 
 
 def _tidy(numbers: Mapping[str, Any]) -> dict[str, object]:

@@ -7,6 +7,8 @@ import streamlit as st
 from streamlit.errors import StreamlitAuthError, StreamlitSecretNotFoundError
 from streamlit.navigation.page import Page
 
+from evdash.ui.words import plain
+
 SIGN_IN, SIGN_OUT = "Sign in", "Sign out"
 
 
@@ -55,7 +57,7 @@ def begin_sign_in() -> None:
     try:
         st.login()
     except StreamlitAuthError as error:
-        st.error(f"The sign-in is not set up as it should be: {error}")
+        st.error(f"The sign-in is not set up as it should be: {plain(str(error))}")
 
 
 def say_who_is_signed_in() -> None:

@@ -15,14 +15,22 @@ from evdash.domain.trace import Step
 from evdash.metrics.ac import AcPoint
 
 _PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
+_TURNED = re.compile(r":(?=\S)|@|www(?=\.)|[-<>~=](?=[->=])", re.IGNORECASE)
+"""After what Streamlit's Markdown would turn into something else."""
+JOINER = "\u2060"
 _UNFIT = re.compile(r"[^a-z0-9]+")
 MOST_REASONS = 3
 """So many reasons are told in words; the table has them all."""
 
 
 def plain(text: str) -> str:
-    """User text as Markdown shows it unchanged: no formatting, no links, no formulas."""
-    return _PUNCTUATION.sub(r"\\\1", text)
+    """User text as Markdown shows it unchanged: no formatting, no links, no formulas.
+
+    Escapes alone will not do: addresses, emoji, icons and arrows are found in what is left when
+    escapes have been read, so an invisible joiner parts them. It is one line, too, since
+    paragraphs and code begin with new ones.
+    """
+    return _PUNCTUATION.sub(r"\\\1", _TURNED.sub(rf"\g<0>{JOINER}", " ".join(text.split())))
 
 
 def file_stem(name: str) -> str:

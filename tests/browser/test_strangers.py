@@ -14,7 +14,8 @@ from evdash.scheduling.p1 import p1_policy
 from evdash.store.journal import Journal
 from evdash.store.parts import Kept
 from evdash.store.runs import Store
-from tests.browser.conftest import serving, visiting
+from evdash.ui.words import JOINER
+from tests.browser.conftest import ROOT, serving, visiting
 from tests.browser.live import SETTLED
 from tests.builders import OPTIONS, line, make_scenario, node, vehicle
 
@@ -145,3 +146,41 @@ def test_the_server_speaks_to_nobody(
     told = [f"{event} {where}" for event, where in said]
     assert any(one.startswith("began") for one in told)
     assert [one for one in told if not any(own in one for own in OWN)] == []
+
+
+TURNED = (
+    f"see http://{ELSEWHERE}/a?b or www.evil.example, a@evil.example",
+    "code    in a line, :smile: :material/home: :streamlit:",
+    "A -> B <-> C <- D -- E >= F <= G ~= H",
+    "# no head, - no list, 1. no list, > no quote, $x^2$ and `code`",
+)
+"""What Streamlit's Markdown makes of texts even where every sign in them is escaped."""
+MADE = "a, img, code, h1, li, blockquote, .katex"
+SHOW = """
+import streamlit as st
+from evdash.ui.words import plain
+from tests.browser.test_strangers import TURNED
+for n, text in enumerate(TURNED):
+    with st.container(key=f"text_{n}"):
+        st.markdown(plain(text))
+        st.button(plain(text), key=f"button_{n}")
+"""
+
+
+def test_texts_that_markdown_turns_into_others_stay_as_they_are(
+    browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    (tmp_path / "show.py").write_text(SHOW, encoding="utf-8")
+    with serving(app=tmp_path / "show.py") as address, visiting(browser) as page:
+        page.goto(address)
+        page.wait_for_selector(SETTLED, timeout=60_000)
+        for n, text in enumerate(TURNED):
+            box = page.locator(f".st-key-text_{n}")
+            for shown in (box.locator("p").first, box.locator("button")):
+                told = shown.inner_text().replace(JOINER, "")
+                assert " ".join(told.split()) == " ".join(text.split())
+            made = box.locator(
+                "a, img, code, h1, li, blockquote, .katex, [data-testid=stIconMaterial]"
+            )
+            assert made.count() == 0

@@ -121,7 +121,7 @@ def _values(name: str, number: int, axis: Axis) -> Axis:
     if axis.case or isinstance(axis.values, str):
         return axis
     text = st.text_input(
-        f"{axis.title}: values, separated by commas",
+        f"{plain(axis.title)}: values, separated by commas",
         ", ".join(f"{value}" for value in axis.values),
         key=f"study_values_{name}_{number}_{axis.key}",
         help=f"The days are run once for each of these values of {plain(axis.title)}.",

@@ -89,7 +89,7 @@ def _chosen(rows: list[Band], varied: list[Dimension]) -> list[Band]:
     """Bands at one value of every dimension beyond the second."""
     for one in varied[2:]:
         label = st.selectbox(
-            one.title,
+            plain(one.title),
             one.labels,
             format_func=lambda value: f"{value}",
             key=f"study_at_{one.place}",
