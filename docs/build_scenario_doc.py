@@ -14,6 +14,7 @@ sys.path.insert(0, str(HERE.parent))
 
 from evdash.domain.events import EVENT_FORMS, Event  # noqa: E402 - the path above makes it so
 from evdash.domain.fields import LARGE  # noqa: E402
+from evdash.domain.refusal import CLAUSES  # noqa: E402
 from evdash.domain.scenario import (  # noqa: E402
     Arrival,
     Feeder,
@@ -144,6 +145,17 @@ def event_kinds() -> str:
     return "\n".join(lines)
 
 
+def reasons() -> str:
+    """Every reason for which a vehicle is refused."""
+    told = (f"- {clause}" for kind, clause in CLAUSES.items() if kind != "as told")
+    return "\n".join([REASONS_TOLD, *told, ""])
+
+
+REASONS_TOLD = """\
+`reason` is blank, or one of these, followed where there is more to say by a colon and its figures,
+names or elements. The same words stand on the pages, in reports, races and explanations.
+[equations.md](equations.md) says how each is found.
+"""
 TABLES_OF_SCENARIO = ("option", "nodes", "lines", "profile", "events")
 
 
@@ -160,6 +172,8 @@ def document() -> str:
     parts.append(RUN_INTRODUCTION)
     for title, record in RUN_TABLES.items():
         parts.append(f"## `{title}`\n\n{section(record)}\n")
+        if title == "vehicles.csv":
+            parts.append(reasons())
     return "\n".join(parts)
 
 

@@ -10,7 +10,7 @@ from evdash.domain.plan import Policy
 from evdash.domain.trace import Happening, Step, Trace
 from evdash.explain.words import Clock, counted, listed, money
 from evdash.horizon.advance import snapshot_of
-from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.p1 import p1_plans
 
 MOVED_KW = 1e-6
 A_CENT = 0.01
@@ -67,7 +67,7 @@ def explain_revision(trace: Trace, interval: int, policy: Policy | None = None) 
     moves = moves_between(names, before_kw, after_kw, interval, hours)
     moved_kwh = sum(move.energy_kwh for move in moves)
     price = snapshot.price_per_kwh * hours
-    made_room_kwh = _for_newcomers(step, before_kw, policy or p1_policy()) if moves else 0.0
+    made_room_kwh = _for_newcomers(step, before_kw, policy or p1_plans()) if moves else 0.0
     revision = Revision(
         interval=interval,
         moves=moves,

@@ -14,7 +14,7 @@ from evdash.horizon.day import begin, run_day
 from evdash.horizon.networks import NETWORKS
 from evdash.horizon.requests import requests_by_interval
 from evdash.metrics.totals import totals
-from evdash.scheduling.p1 import p1_policy
+from evdash.scheduling.p1 import p1_plans
 
 Rated = TypeVar("Rated", Line, Node)
 MORE_KVA = 10.0
@@ -55,7 +55,7 @@ def day_worths(trace: Trace, policy: Policy | None = None) -> Iterator[Worth]:
     all that happens on the way happening again. The rating is that of the element reached most
     often, or else tightest most often; without a rated element among them there is none to raise.
     """
-    policy, given = policy or p1_policy(), trace.inputs.given
+    policy, given = policy or p1_plans(), trace.inputs.given
     base = rerun(trace, given, policy)
     yield _worth(base, "One more charger", one_more_charger(given), policy)
     element = binding_rating(base)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from evdash.domain.digest import digest
 from evdash.domain.plan import Plan, Policy, Snapshot
-from evdash.scheduling.p1 import p1_answers, p1_policy
+from evdash.scheduling.p1 import p1_answers, p1_plans, p1_policy
 
 SLOTS = 2
 MOST_PLANS = 500
@@ -73,5 +73,5 @@ policy: Policy = shared(p1_policy(), TURNS)
 """The paper's policy, shared by all sessions of this server."""
 answers: Policy = shared(p1_answers(), TURNS)
 """P1's answers alone, for explanations: nobody follows those plans."""
-study_policy: Policy = shared(p1_policy(), TURNS, most_plans=0)
+study_policy: Policy = shared(p1_plans(), TURNS, most_plans=0)
 """The same in the same turns; remembers nothing, as no day of a study comes twice."""

@@ -2,6 +2,12 @@
 
 import pytest
 
+from evdash.domain.refusal import CLAUSES
+from evdash.errors import SolverFailure
+from evdash.explain.refusals import explain_vehicle
+from evdash.horizon.day import run_day, start_day
+from evdash.policies.rules import by as by_rule
+from evdash.policies.rules import first_come
 from tests.builders import line, make_scenario, node, vehicle
 from tests.explain.cases import by, explained, helpless, roomy
 
@@ -273,3 +279,50 @@ def test_after_the_last_interval_has_begun():
     assert told.cause.kind == "after the end"
     assert told.interval == 3
     assert by(told) == {"time": 2}
+
+
+def test_a_refusal_by_a_rule_is_told_as_the_rule_s_and_p1_s_answer_beside_it():
+    """c holds the charger from 00:00 on by the rule; P1 would have let c wait for v."""
+    scenario = roomy(
+        [50.0] * 3,
+        vehicles=[
+            vehicle("c", need_kwh=8.0, **C2),
+            vehicle("v", need_kwh=8.0),
+        ],
+        station={"chargers": 1, "max_kw": 8.0},
+    )
+    trace = run_day(start_day(scenario), by_rule(first_come))
+    told = explain_vehicle(trace, "v")
+    assert told.cause.kind == "rule"
+    assert told.text == (
+        "Refused because the rule of precedence would then not serve everyone in time: first "
+        "come, first served. P1, asked at that moment, would have admitted it."
+    )
+
+
+def test_where_p1_too_would_refuse_what_a_rule_did_its_reason_and_remedy_are_told_as_its_own():
+    scenario = roomy(
+        [50.0] * 3,
+        vehicles=[vehicle("c", need_kwh=16.0), vehicle("v", hour=1, need_kwh=8.0)],
+        station={"chargers": 1, "max_kw": 8.0},
+    )
+    trace = run_day(start_day(scenario), by_rule(first_come))
+    told = explain_vehicle(trace, "v")
+    assert told.cause.kind == "rule"
+    assert f"P1, asked at that moment, would have refused it because {CLAUSES['chargers']}" in (
+        told.detail
+    )
+    assert told.remedy.startswith("By P1: It would have been admitted with 1 more charger")
+
+
+def test_a_step_whose_solver_failed_says_so_and_p1_is_asked_anew():
+    def failing(snapshot):
+        raise SolverFailure("nothing found")
+
+    scenario = roomy([50.0] * 2, vehicles=[vehicle("v", need_kwh=8.0)])
+    trace = run_day(start_day(scenario), failing)
+    told = explain_vehicle(trace, "v")
+    assert told.cause.kind == "fallback"
+    assert told.detail == (
+        f"Refused because {CLAUSES['fallback']}. P1, asked at that moment, would have admitted it."
+    )

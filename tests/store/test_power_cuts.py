@@ -11,9 +11,12 @@ from pathlib import Path
 import pytest
 
 from benchmarks.power_cuts import cut_power, soundness
+from evdash.domain.refusal import CLAUSES
 from evdash.domain.trace import Trace
 from evdash.errors import StoreUnavailable
+from evdash.explain.refusals import explain_vehicle
 from evdash.horizon.day import start_day, step
+from evdash.metrics.records import refused_by_reason, vehicle_records
 from evdash.scheduling.p1 import p1_policy
 from evdash.store import database
 from evdash.store.database import NAME
@@ -210,6 +213,30 @@ def test_an_older_file_is_opened_or_refused_in_words_and_left_as_it_is(tmp_path)
     store.database.close()
     with sqlite3.connect(tmp_path / NAME) as data:
         assert data.execute("SELECT count(*) FROM runs").fetchone()[0] == 1
+
+
+def test_reasons_kept_as_sentences_by_an_older_version_stay_and_can_be_explained(tmp_path):
+    """Its refusals were text; the file was written by the version before reasons had kinds."""
+    shutil.copy(OLDER.with_name("reasons_as_text.sqlite3"), tmp_path / NAME)
+    found = Journal.resume(Store(tmp_path), "7KHrIZAv1V1XPO16sKhdig")
+    assert found is not None
+    trace = found[1].trace
+    records = {record.vehicle: record for record in vehicle_records(trace)}
+    assert records["dear"].why_not == (
+        "energy costs at least 0.5 $/kWh before its deadline, it pays 0.4 $/kWh"
+    )
+    assert records["late"].why_not == "arrives after the last interval has begun"
+    assert records["c"].reason is None
+    assert sum(map(len, refused_by_reason(records.values()).values())) == 4
+    dear = explain_vehicle(trace, "dear")
+    assert dear.detail.startswith(f"Refused because {records['dear'].why_not}.")
+    assert f"refused it because {CLAUSES['energy']}" in dear.detail
+    assert explain_vehicle(trace, "late").cause.kind == "after the end"
+    journal = Journal(Store(tmp_path))
+    journal.keep(kept(trace))
+    again = Journal.resume(Store(tmp_path), journal.link)
+    assert again is not None
+    assert [s.plan.refused for s in again[1].trace.steps] == [s.plan.refused for s in trace.steps]
 
 
 def test_a_new_run_is_kept_beside_older_ones(days, tmp_path):
