@@ -32,10 +32,7 @@ from evdash.scheduling.shortfall import (
     usable,
 )
 
-SHED = (
-    "The least possible shortfall was not found in time: those who came last were switched off "
-    "first"
-)
+SHED = "The least possible shortfall was not found: those who came last were switched off first"
 UNPROVEN = "It was not proven that no less can be missing"
 UNPROVEN_FEWEST = "It was not proven that no fewer vehicles can be short"
 AS_MUCH = "as much as every promise leaves room for"
