@@ -17,10 +17,10 @@ from evdash.files.scenario_folder import scenario_files
 from tests.builders import OPTIONS, line, make_scenario, node, vehicle
 
 CLI = Path(__file__).parents[2] / "evdash" / "cli"
-TAGS = ":smile:[bold red][/]\\[x]\x9b2J\u202e"
+TAGS = ":smile:[bold red][/]\\[x]\u200b"
 """What rich or a terminal would take for something else than text, all that a name may hold."""
-COMMANDS = f"{TAGS}\x1b[31m\x1b]0;title\x07"
-"""The same with what only free text, files and arguments may hold."""
+COMMANDS = f"{TAGS}\x9b2J\u202e\x1b[31m\x1b]0;title\x07"
+"""The same with what only files, arguments and wrong input hold."""
 
 
 FILE_TAGS = COMMANDS.replace("/", "")
@@ -35,7 +35,7 @@ def day() -> Scenario:
     s, a, b = named("s"), named("a"), named("b")
     options = [{**option, "name": named(option["name"])} for option in OPTIONS]
     return make_scenario(
-        name=f"day{COMMANDS}",
+        name=named("day"),
         nodes=[node(s), node(a, load_kw=40), node(b, load_kw=20)],
         lines=[line(s, a, rating=75.0), line(a, b, rating=15.0)],
         price=(0.1, 0.3, 0.2, 0.05),
@@ -67,17 +67,23 @@ values = [1, 2]
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the scenario, the same with events, and a study of it."""
+    """The scenario, the same with events, one with a name that is refused, and a study."""
     place = tmp_path_factory.mktemp("names")
-    for folder in ("day", "events"):
+    for folder in ("day", "events", "refused"):
         (place / folder).mkdir()
         for name, text in scenario_files(day()).items():
             (place / folder / name).write_text(text, encoding="utf-8", newline="")
     happened = EVENTS.format(f'"{named("V0")}"')
     (place / "events" / "events.csv").write_text(happened, encoding="utf-8", newline="")
+    settings = place / "refused" / "scenario.toml"
+    told = settings.read_text(encoding="utf-8")
+    commands = toml(f"day{COMMANDS}")
+    changed = re.sub(r"^name = .*", lambda _: f"name = {commands}", told, count=1, flags=re.M)
+    assert changed != told
+    settings.write_text(changed, encoding="utf-8")
     (place / "study.toml").write_text(
         STUDY.format(
-            name=toml(f"study{COMMANDS}"), question=toml(f"why{COMMANDS}"), axis=toml(named("axis"))
+            name=toml(named("study")), question=toml(f"why{COMMANDS}"), axis=toml(named("axis"))
         ),
         encoding="utf-8",
     )
@@ -108,6 +114,7 @@ def commands(place: Path) -> Iterator[tuple[str, list[str], str]]:
     yield "template", ["import", "template", f"{run}-t"], "run"
     yield "unknown key", ["run", scenario, "--set", f"{COMMANDS}=1"], ""
     yield "unknown option", ["run", scenario, "--set", f"option.X{COMMANDS}.price_per_kwh=1"], "X"
+    yield "refused", ["validate", f"{place / 'refused'}"], "day"
     yield "no such folder", ["validate", f"{run}-none"], "run"
     yield "no such argument", ["validate", scenario, named("one more")], "one more"
 
@@ -119,7 +126,7 @@ def test_no_command_takes_a_name_for_anything_else(place, capfd, monkeypatch, co
         monkeypatch.setenv("TERM", "xterm-256color")
     there = place if not coloured else tmp_path
     if coloured:
-        for name in ("day", "events", "study.toml"):
+        for name in ("day", "events", "refused", "study.toml"):
             (tmp_path / name).symlink_to(place / name)
     shown = r":smile:\[bold red\]\[/?\]"  # a file's name holds no slash
     for title, arguments, name in commands(there):
@@ -133,7 +140,7 @@ def test_no_command_takes_a_name_for_anything_else(place, capfd, monkeypatch, co
         if coloured:
             assert title == "no such argument" or "\x1b[" in told, title
             told = re.sub(r"\x1b\[[0-9;?]*[mKAlh]", "", told)
-        for what in ("\x1b", "\x9b", "\x07", "\u202e", "😄"):
+        for what in ("\x1b", "\x9b", "\x07", "\u202e", "\u200b", "😄"):
             assert what not in told, (title, what, told)
         assert re.search(re.escape(name) + shown, told), (title, told)
 
