@@ -50,15 +50,18 @@ class Taken:
 class Cause:
     """The reason for which a vehicle was refused, and what solving again adds to it.
 
-    `displaced_by`: newcomers who took its place. `loss` in $: by how much admitting it would
-    have lowered the profit of what was known then; None where no plan with it was found.
-    `then`: what would have refused it next, had there been as much room as it likes; blank if
+    `displaced_by`: newcomers who took its place; `only_by`: without them it would have come in
+    even with everyone else who asked, not just beside the others admitted. `loss` in $: by how
+    much admitting it would have lowered the profit of what was known then; None where no plan
+    with it was found. `then`: what would have refused it next, had there been as much room as
+    it likes; blank if
     nothing. `by_pace`: there is room before its return, not at the pace of its own charger.
     """
 
     reason: RefusalReason
     taken: Taken = Taken()
     displaced_by: tuple[Request, ...] = ()
+    only_by: bool = False
     loss: float | None = None
     then: Literal["", "displaced", "price"] = ""
     by_pace: bool = False
@@ -102,7 +105,13 @@ def cause_of(trials: Trials, reason: RefusalReason) -> Cause:
             by_pace=reason.kind != "chargers" and trials.fits(Change(lifted=True)),
         )
     by = tuple(r for r in trials.snapshot.requests if r.vehicle in reason.by)
-    return Cause(reason, displaced_by=by, loss=_finite(trials.cost_with() - trials.cost_without))
+    only_by = bool(by) and trials.admits(Change(without=frozenset(reason.by)))
+    return Cause(
+        reason,
+        displaced_by=by,
+        only_by=only_by,
+        loss=_finite(trials.cost_with() - trials.cost_without),
+    )
 
 
 def _next_cause(trials: Trials, room: Change) -> Literal["", "displaced", "price"]:

@@ -74,6 +74,8 @@ def _displaced(trials: Trials, cause: Cause) -> str:
     names = _named(cause.displaced_by)
     one = len(cause.displaced_by) == 1
     told = f"it would have come in if {names} {'had' if one else 'had all'} not come"
+    if not cause.only_by:
+        told = f"beside the others admitted then, {told}"
     if cause.loss is None:
         return told
     return (
@@ -110,8 +112,8 @@ def _pace(trials: Trials, cause: Cause) -> str:
 
 _THEN = {
     "": "",
-    "displaced": "; with enough of it newcomers who pay better would still have come first",
-    "price": "; with enough of it its energy would still have cost more than it pays",
+    "displaced": "; with enough of it newcomers who earn more would still have come first",
+    "price": "; with enough of it its energy would still have cost no less than it pays",
 }
 _TELLING: Mapping[RefusalKind, Callable[[Trials, Cause], str]] = {
     "after the end": _after_the_end,

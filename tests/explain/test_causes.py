@@ -227,6 +227,28 @@ def test_displaced_by_a_better_paying_newcomer():
     assert helpless(told) == {"chargers"}
 
 
+def test_who_took_its_place_where_yet_another_would_have_taken_it_next():
+    """One slot for one of three: without rich it is mid who comes in, not v."""
+    options = tuple(
+        {"name": name, "price_per_kwh": price, "average_kw": 8.0}
+        for name, price in (("C1", 0.4), ("C3", 0.3), ("C4", 0.25))
+    )
+    scenario = roomy(
+        [8.0, 50.0, 50.0],
+        vehicles=[
+            vehicle("rich", need_kwh=8.0, option="C1"),
+            vehicle("mid", need_kwh=8.0, option="C3"),
+            vehicle("v", need_kwh=8.0, option="C4"),
+        ],
+        options=options,
+    )
+    told = explained(scenario)
+    assert told.cause.reason.by == ("rich",)
+    assert not told.cause.only_by
+    assert "beside the others admitted then, it would have come in if rich" in told.detail
+    assert explained(scenario, "mid").cause.only_by
+
+
 def test_no_chargers():
     told = explained(
         roomy([50.0] * 2, vehicles=[vehicle("v", need_kwh=8.0)], station={"chargers": 0})
