@@ -32,7 +32,7 @@ def handover_json(scenario: Scenario, station_kw: Floats, interval: int) -> str:
     net = build_feeder(scenario)
     net.name = scenario.name
     _place_buses(net, scenario)
-    _rate_lines(net, scenario)
+    _set_limits(net, scenario)
     # runpp begins with a DC flow, which divides by reactances
     net.line["x_ohm_per_km"] = net.line["x_ohm_per_km"].clip(lower=LEAST_X_OHM)
     day = _add_elements(net, scenario, station_kw)
@@ -54,13 +54,23 @@ def _place_buses(net: Any, scenario: Scenario) -> None:
         ]
 
 
-def _rate_lines(net: Any, scenario: Scenario) -> None:
+def _set_limits(net: Any, scenario: Scenario) -> None:
+    """Ratings of lines, voltage limits of all buses but the source, which holds its own, and, in a
+    column that pandapower does not know, the nodes' ratings."""
     kva_per_ka = np.sqrt(3) * scenario.feeder.base_kv * KW_PER_MW
     net.line["max_i_ka"] = [
         np.nan if line.rating_kva is None else line.rating_kva / kva_per_ka
         for line in scenario.lines
     ]
     net.line["max_loading_percent"] = 100.0
+    feeder = scenario.feeder
+    beside = net.bus["name"] != feeder.source_node
+    net.bus.loc[beside, ["min_vm_pu", "max_vm_pu"]] = feeder.voltage_min_pu, feeder.voltage_max_pu
+    ratings = {node.node: node.rating_kva for node in scenario.nodes}
+    if any(rating is not None for rating in ratings.values()):
+        net.bus["rating_kva"] = [
+            np.nan if (rating := ratings.get(name)) is None else rating for name in net.bus["name"]
+        ]
 
 
 def _add_elements(

@@ -1,6 +1,6 @@
 """A feeder into a scenario: nodes, lines and what `[feeder]` says, the rest of the day kept."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from pydantic import ValidationError
@@ -15,10 +15,11 @@ from evdash.grid.nets.feeder import ConvertedFeeder
 from evdash.grid.nets.records import Net
 from evdash.grid.nets.referee import AcDifference, ac_difference
 from evdash.grid.nets.shipped import SHIPPED, shipped_json
-from evdash.grid.nets.tree import label
+from evdash.grid.nets.tree import buses_called, names_of
 from evdash.imports.pandapower_json import read_net
 
 FULL = "1.0"
+SHOWN = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +35,8 @@ def feeder_of_net(
     net: Net, unread: tuple[str, ...] = (), source: str | None = None
 ) -> ImportedFeeder:
     """A network converted and held against its own AC power flow; InputError where it cannot be."""
-    feeder = converted(net, source)
     try:
+        feeder = converted(net, source)
         difference = ac_difference(net, feeder)
     except ValidationError as error:
         details = error.errors(include_url=False)
@@ -61,7 +62,35 @@ def supplies_of(net: Net) -> dict[str, str]:
     """The buses a network can be supplied from: index as text, as `source` takes it, to label."""
     buses = {bus.index: bus for bus in net.bus if bus.in_service}
     grids = [grid.bus for grid in net.ext_grid if grid.in_service and grid.bus in buses]
-    return {str(bus): label(buses[bus]) for bus in grids}
+    names = names_of([buses[bus] for bus in dict.fromkeys(grids)])
+    return {str(bus): name for bus, name in names.items()}
+
+
+def node_called(net: Net, feeder: ConvertedFeeder, wanted: str) -> str:
+    """The node that a person calls by its name here, or by a bus's index or name in the file.
+
+    Raises InputError where it may be several, or none of this feeder.
+    """
+    if any(node.node == wanted for node in feeder.nodes):
+        return wanted
+    found = buses_called(wanted, net.bus, feeder.node_of_bus)
+    nodes = {feeder.node_of_bus[bus.index] for bus in found if bus.index in feeder.node_of_bus}
+    if len(nodes) == 1:
+        return nodes.pop()
+    if nodes:
+        told, rule = f"{len(nodes)} nodes called {wanted!r}", f"one of {', '.join(sorted(nodes))}"
+    elif found:
+        told = f"{wanted!r}, a bus not supplied from {feeder.source_node}"
+        rule = "should be a node of this feeder"
+    else:
+        names = [node.node for node in feeder.nodes if node.node != feeder.source_node]
+        told, rule = repr(wanted), f"should be a node of the feeder: {_some(names)}"
+    raise InputError([Fault("station", told, rule)])
+
+
+def _some(names: Sequence[str]) -> str:
+    more = len(names) - SHOWN
+    return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")
 
 
 def station_in(draft: Draft, feeder: ConvertedFeeder) -> str:

@@ -6,6 +6,7 @@ is looked into beyond whether it has elements in service.
 """
 
 import json
+import math
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any
@@ -14,7 +15,7 @@ from pydantic import ValidationError
 
 from evdash.errors import Fault, InputError
 from evdash.files.wording import allowed, found, shown
-from evdash.grid.nets.records import RECORDS, Element, Net, Other
+from evdash.grid.nets.records import LARGEST, RECORDS, Element, Net, Other
 
 MAX_BYTES = 32 * 1024 * 1024
 MAX_LISTS, MAX_VALUES = 1_000_000, 5_000_000
@@ -26,6 +27,11 @@ NO_ELEMENTS = {"measurement", "pwl_cost", "poly_cost", "controller", "group", "b
 """Tables that say nothing about what a power flow of the file as it stands computes."""
 PLACES = {"bus", "from_bus", "hv_bus", "bus_dc", "from_bus_dc"}
 """Columns by which a table is known to hold elements of a network."""
+
+LIMIT_BEGINS = ("max_", "min_")
+LIMITS = {"in_ka", "rating_kva"}
+NO_LIMITS = {"max_step", "max_e_mwh", "min_e_mwh"}
+"""Columns named like limits: what a shunt could be switched to, what a storage could hold."""
 
 
 def is_pandapower(data: object) -> bool:
@@ -194,6 +200,7 @@ def _frame(raw: Any) -> dict[str, list[Any]] | None:
 def _prepared(table: str, row: dict[str, Any], columns: list[str]) -> dict[str, Any]:
     """A row with columns of older forms under their present names, blanks left to defaults."""
     cells = {key: value for key, value in row.items() if value is not None}
+    cells["unheld"] = _unheld(table, cells)
     if table == "bus":
         cells |= _position(cells.get("geo"))
     if table == "trafo" and "tap_changer_type" not in columns:  # before pandapower 3
@@ -205,6 +212,21 @@ def _prepared(table: str, row: dict[str, Any], columns: list[str]) -> dict[str, 
                 cells.setdefault(f"const_{part}_p_percent", old)
                 cells.setdefault(f"const_{part}_q_percent", old)
     return cells
+
+
+def _unheld(table: str, cells: Mapping[str, object]) -> dict[str, float]:
+    """What a row limits by columns that no scenario has a place for."""
+    return {
+        column: float(value)
+        for column, value in cells.items()
+        if (column.startswith(LIMIT_BEGINS) or column in LIMITS)
+        and column not in NO_LIMITS
+        and column not in RECORDS[table].model_fields
+        and isinstance(value, int | float)
+        and not isinstance(value, bool)
+        and math.isfinite(value)
+        and abs(value) < LARGEST
+    }
 
 
 def _position(geo: object) -> dict[str, float]:

@@ -8,7 +8,7 @@ from evdash.files.draft import Draft
 from evdash.files.folder import read_files
 from evdash.grid.nets.records import Net
 from evdash.grid.nets.shipped import SHIPPED
-from evdash.imports.feeder import feeder_of_net, shipped_net, with_network, with_tables
+from evdash.imports.feeder import feeder_of_net, node_called, shipped_net, with_network, with_tables
 from evdash.imports.pandapower_json import MAX_BYTES, read_net
 from evdash.imports.scenario_book import ScenarioBook, read_book, with_book
 from evdash.imports.workbook import is_workbook
@@ -74,5 +74,6 @@ def _on_network(
     draft: Draft, net: Net, unread: tuple[str, ...], source: str | None, station: str | None
 ) -> Imported:
     imported = feeder_of_net(net, unread, source)
-    changed, told = with_network(draft, imported, station)
+    node = None if station is None else node_called(net, imported.feeder, station)
+    changed, told = with_network(draft, imported, node)
     return Imported(changed, (*imported.notices, *told))

@@ -82,6 +82,22 @@ def test_loading_is_what_the_rating_allows_at_nominal_voltage(tmp_path):
     assert np.isnan(found["loading"][1])
 
 
+def test_every_limit_of_the_scenario_is_in_the_network():
+    import pandapower
+
+    nodes = [node("s"), node("a", load_kw=60, rating_kva=70.0), node("b<i>", load_kw=40)]
+    band = {"voltage_min_pu": 0.94, "voltage_max_pu": 1.05}
+    scenario = make_scenario(**{**FEEDER, "nodes": nodes}, feeder=band, **DAY)
+    net = pandapower.from_json_string(handover_json(scenario, np.zeros(3), 1))
+    assert net.bus.min_vm_pu.tolist()[1:] == [0.94, 0.94]
+    assert net.bus.max_vm_pu.tolist()[1:] == [1.05, 1.05]
+    assert net.bus[["min_vm_pu", "max_vm_pu"]].iloc[0].isna().all()  # the source holds its own
+    assert net.bus.rating_kva.tolist()[1] == 70.0
+    assert net.bus.rating_kva.isna().tolist() == [True, False, True]
+    assert net.line.max_i_ka[0] * np.sqrt(3) * 4.16 * 1000 == pytest.approx(150.0)
+    assert net.line.max_loading_percent[0] == 100.0
+
+
 @settings(max_examples=8)
 @given(scenarios(max_nodes=6, max_vehicles=0))
 def test_any_feeder_is_handed_on_with_its_voltages(scenario: Scenario):

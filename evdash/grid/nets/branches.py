@@ -47,7 +47,7 @@ class Connections:
     charging: list[AtBus] = field(default_factory=list)
     magnetising: list[AtBus] = field(default_factory=list)
     fused: list[tuple[int, int]] = field(default_factory=list)
-    stubs: list[str] = field(default_factory=list)
+    stubs: list[tuple[int, str]] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
 
 
@@ -86,17 +86,22 @@ def _line(
     for bus in closed:
         found.charging.append(AtBus(bus, kw / len(closed), kvar / len(closed)))
     if len(closed) == 1:
-        found.stubs.append(line.told("line"))
+        found.stubs.append((closed[0], line.told("line")))
     if len(closed) == 2:
         ohm = complex(line.r_ohm_per_km, line.x_ohm_per_km) * line.length_km / line.parallel
-        current_ka = line.max_i_ka
         rating = None
-        if current_ka is not None and 0 < current_ka < UNLIMITED_KA:
-            kv = buses[line.from_bus].vn_kv
-            rating = sqrt(3) * kv * current_ka * line.df * line.parallel * KW_PER_MW
+        if line.max_i_ka is not None and 0 < line.max_i_ka < UNLIMITED_KA:
+            rating = _limit_kva(sqrt(3) * buses[line.from_bus].vn_kv * line.max_i_ka, line)
         found.branches.append(
             Branch(line.told("line"), line.from_bus, line.to_bus, ohm, 1.0, rating)
         )
+
+
+def _limit_kva(rated_mva: float, element: Line | Trafo) -> float:
+    """What may flow through `parallel` systems: all that pandapower's loading_percent and its limit
+    say, kVA at nominal voltage."""
+    allowed = (element.max_loading_percent or 100.0) / 100
+    return rated_mva * element.df * element.parallel * allowed * KW_PER_MW
 
 
 def _trafo(found: Connections, trafo: Trafo, closed: list[int], buses: Mapping[int, Bus]) -> None:
@@ -122,7 +127,7 @@ def _trafo(found: Connections, trafo: Trafo, closed: list[int], buses: Mapping[i
             AtBus(bus, trafo.pfe_kw * trafo.parallel * at_nominal, -kvar * at_nominal)
         )
     if len(closed) == 1:
-        found.stubs.append(trafo.told("trafo"))
+        found.stubs.append((closed[0], trafo.told("trafo")))
     if len(closed) == 2:
         found.branches.append(
             Branch(
@@ -131,7 +136,7 @@ def _trafo(found: Connections, trafo: Trafo, closed: list[int], buses: Mapping[i
                 trafo.lv_bus,
                 complex(trafo.vkr_percent, x_percent) / 100 * base_ohm,
                 lv_kv / hv_kv,
-                trafo.sn_mva * trafo.df * trafo.parallel * KW_PER_MW,
+                _limit_kva(trafo.sn_mva, trafo),
             )
         )
 

@@ -14,12 +14,21 @@ from evdash.domain.scenario import Line, Node
 from evdash.errors import Fault, InputError
 from evdash.grid.nets.branches import AtBus, Connections, connections
 from evdash.grid.nets.feeder import ConvertedFeeder
-from evdash.grid.nets.notices import told_levels, told_limits, told_powers, told_topology
+from evdash.grid.nets.notices import (
+    told_levels,
+    told_powers,
+    told_ratings,
+    told_topology,
+    told_unheld,
+    told_voltages,
+)
 from evdash.grid.nets.records import Bus, Net
 from evdash.grid.nets.tree import Tree, names_of, radial_tree
 from evdash.grid.radial import KW_PER_MW
 
 LEAST_OHM = 1e-6
+MOST_PU = 1.5
+"""Voltages from here on stand for "no limit" in published files, as 0 does."""
 
 
 def converted(net: Net, source: str | None = None) -> ConvertedFeeder:
@@ -128,7 +137,9 @@ def _feeder(net: Net, buses: Mapping[int, Bus], joined: Connections, tree: Tree)
         *told_levels(net, buses, tree, feeder),
         *notices,
         *told_powers(net, joined, tree, shunts),
-        *told_limits(buses, tree, low, high),
+        *told_ratings(net, joined, tree),
+        *told_voltages(buses, tree, low, high),
+        *told_unheld(net, tree),
     )
     return replace(feeder, notices=told)
 
@@ -217,11 +228,11 @@ def _at_nominal(net: Net, buses: Mapping[int, Bus]) -> list[AtBus]:
 
 
 def _limits(tree: Tree, buses: Mapping[int, Bus]) -> tuple[float | None, float | None]:
-    """The voltage limits all nodes beside the source agree on, per unit."""
-    nodes = [branch.to_bus for branch in tree.branches]
-    found = {(buses[node].min_vm_pu, buses[node].max_vm_pu) for node in nodes}
-    if len(found) != 1:
-        return None, None
-    low, high = found.pop()
-    usable = low is not None and high is not None and 0 < low < high < 1.5
-    return (low, high) if usable else (None, None)
+    """The lower and the upper voltage limit that all buses beside the source's agree on, each by
+    itself, per unit."""
+    beside = [buses[bus] for bus, node in tree.node_of.items() if node != tree.source]
+    sides = ({bus.min_vm_pu for bus in beside}, {bus.max_vm_pu for bus in beside})
+    low, high = (side.pop() if len(side) == 1 else None for side in sides)
+    low = low if low is not None and 0 < low < MOST_PU else None
+    high = high if high is not None and 0 < high < MOST_PU else None
+    return (None, None) if low is not None and high is not None and low >= high else (low, high)

@@ -13,7 +13,7 @@ class ConvertedFeeder:
     `node_of_bus` names the node of every supplied bus by index. `scale_of_node` is what the
     scenario's voltage must be multiplied by to be per unit of the bus's own nominal voltage;
     1 but behind transformers whose ratio is another than their buses' nominal voltages have.
-    Voltage limits are None where the file's buses do not agree on any.
+    A voltage limit is None where the file's buses do not agree on one.
     """
 
     name: str

@@ -1,9 +1,10 @@
 """The tables of a pandapower network that are read, one record for each kind of element.
 
 Columns and units are pandapower's. Columns that are not named here bear on nothing a balanced
-power flow computes and are passed over.
+power flow computes; of these, limits are kept aside to be told, and the others passed over.
 """
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -25,6 +26,8 @@ Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Zero = Annotated[Signed, _null_to_default(0.0)]
 SizeOrZero = Annotated[Size, _null_to_default(0.0)]
 One = Annotated[Signed, _null_to_default(1.0)]
+Share = Annotated[Positive, _null_to_default(1.0)]
+Half = Annotated[Signed, _null_to_default(0.5)]
 Count = Annotated[int, Field(ge=1, le=1000), _null_to_default(1)]
 Yes = Annotated[bool, _null_to_default(True)]
 No = Annotated[bool, _null_to_default(False)]
@@ -32,13 +35,17 @@ Text = Annotated[str | None, BeforeValidator(_text_or_none)]
 
 
 class Element(BaseModel):
-    """What every element has: its row's index and, maybe, a name."""
+    """What every element has: its row's index and, maybe, a name.
+
+    `unheld` are the limits a row has that a scenario cannot hold, by column.
+    """
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     index: int
     name: Text = None
     in_service: Yes = True
+    unheld: Mapping[str, float] = Field(default_factory=dict)
 
     def told(self, table: str) -> str:
         """The element as a person finds it, `line 12 'Line 6-7'`."""
@@ -66,7 +73,8 @@ class Line(Element):
     c_nf_per_km: SizeOrZero = 0.0
     g_us_per_km: SizeOrZero = 0.0
     max_i_ka: Size | None = None
-    df: One = 1.0
+    max_loading_percent: Positive | None = None
+    df: Share = 1.0
     parallel: Count = 1
 
 
@@ -92,7 +100,10 @@ class Trafo(Element):
     tap_dependency_table: No = False
     tap2_pos: Signed | None = None
     tap2_neutral: Signed | None = None
-    df: One = 1.0
+    leakage_resistance_ratio_hv: Half = 0.5
+    leakage_reactance_ratio_hv: Half = 0.5
+    max_loading_percent: Positive | None = None
+    df: Share = 1.0
     parallel: Count = 1
 
 

@@ -76,14 +76,18 @@ def _source(
         rule = "should have an external grid in service, where the feeder is supplied"
         return None, [Fault("table ext_grid", "no row in service", rule)]
     named = {grid.told("ext_grid"): grid for grid in supplies}
-    names = [label(buses[grid.bus]) for grid in supplies]
+    names = names_of([buses[bus] for bus in dict.fromkeys(grid.bus for grid in supplies)])
+    listed = ", ".join(names.values())
     if wanted is not None:
-        here = [grid for grid in supplies if wanted in (str(grid.bus), buses[grid.bus].name)]
-        if not here:
-            rule = f"should be a bus with an external grid: {', '.join(names)}"
-            return None, [Fault("source", repr(wanted), rule)]
+        called = [buses[bus] for bus in names]
+        chosen = {bus.index for bus in buses_called(wanted, called, names)}
+        here = [grid for grid in supplies if grid.bus in chosen]
+        if len({node_of[grid.bus] for grid in here}) != 1:
+            told = f"{wanted!r}, which {len(chosen)} buses are called" if here else repr(wanted)
+            rule = f"should be a bus with an external grid: {listed}"
+            return None, [Fault("source", told, rule)]
     elif len({node_of[grid.bus] for grid in supplies}) > 1:
-        rule = f"a feeder has one source; choose it by bus: {', '.join(names)}"
+        rule = f"a feeder has one source; choose it by bus: {listed}"
         return None, [Fault("table ext_grid", f"{len(supplies)} supplies in service", rule)]
     else:
         here = supplies
@@ -148,6 +152,22 @@ def _from(branch: Branch, node_of: Mapping[int, int], start: int) -> Branch:
 def label(bus: Bus) -> str:
     """A bus as a person finds it: its name, or its index where it has none."""
     return bus.name or f"bus {bus.index}"
+
+
+def buses_called(wanted: str, buses: Sequence[Bus], names: Mapping[int, str]) -> list[Bus]:
+    """The buses a person may mean: by index, else by the name they have here, else by the file's.
+
+    More than one where the file calls several the same.
+    """
+    text = wanted.strip()
+    for called in (
+        lambda bus: {str(bus.index)},
+        lambda bus: {names.get(bus.index)},
+        lambda bus: {label(bus).strip(), f"bus {bus.index}"},
+    ):
+        if found := [bus for bus in buses if text in called(bus)]:
+            return found
+    return []
 
 
 def names_of(buses: Sequence[Bus]) -> dict[int, str]:
