@@ -5,8 +5,10 @@ import sqlite3
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 from evdash.errors import StoreUnavailable
 
@@ -39,6 +41,15 @@ CREATE TABLE uses (
 ) WITHOUT ROWID;
 CREATE INDEX uses_name ON uses (name);
 """
+ADDED = """
+CREATE TABLE IF NOT EXISTS doomed (
+    link TEXT PRIMARY KEY REFERENCES runs (link) ON DELETE CASCADE,
+    since REAL NOT NULL
+) WITHOUT ROWID;
+"""
+"""What versions before did not know and do not mind: runs too old, and since when that is known."""
+Identity = tuple[tuple[int, int] | None, ...]
+"""Which files these are, whatever they are called: device and number of the file and its -wal."""
 
 
 class Database:
@@ -51,13 +62,20 @@ class Database:
         self.path = directory / NAME
         self._lock = threading.Lock()
         self._connection: sqlite3.Connection | None = None
+        self._identity: Identity = ()
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """A connection whose changes are all kept at the end, or none of them."""
+        """A connection whose changes are all kept at the end, or none of them.
+
+        Where the file was deleted or moved meanwhile, that of another one under its name.
+        """
         with self._lock:
             try:
+                if self._connection is not None and self._identity != self._found():
+                    self._let_go()
                 connection = self._connection = self._connection or self._opened()
+                self._identity = self._found()
                 _begin(connection)
                 try:
                     yield connection
@@ -65,10 +83,12 @@ class Database:
                 except BaseException:
                     _roll_back(connection)
                     raise
-            except (sqlite3.Error, OSError) as error:
+                self._identity = self._found()
+            except (sqlite3.Error, OSError, UnicodeDecodeError, _OtherTables) as error:
+                opened = self._identity
                 self._let_go()
                 raise StoreUnavailable(
-                    f"{self.path}: {_told(error)}{self._aside(error)}"
+                    f"{self.path}: {_told(error)}{self._aside(error, opened)}"
                 ) from error
 
     def close(self) -> None:
@@ -80,20 +100,37 @@ class Database:
         if self._connection is not None:
             self._connection.close()
         self._connection = None
+        self._identity = ()
 
-    def _aside(self, error: Exception) -> str:
-        """Put a damaged file aside, so that what comes next is kept in a new one; where it is."""
-        if not isinstance(error, sqlite3.Error) or _kind(error) not in DAMAGED:
+    def _found(self) -> Identity:
+        """The files that are there under our names now."""
+        return tuple(_identity(self.path.with_name(self.path.name + end)) for end in ("", "-wal"))
+
+    def _aside(self, error: Exception, opened: Identity) -> str:
+        """Put a damaged file aside, so that what comes next is kept in a new one; where it is.
+
+        One server alone does it, and only while the file is the one found damaged: another may
+        have done it already, and its new file is good.
+        """
+        if not _is_damage(error):
             return ""
-        aside = self.path.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%S')}-{self.path.name}")
         try:
-            self.path.rename(aside)
-            for ending in ("-wal", "-shm"):  # they belong to the damaged file and to no other
-                beside = self.path.with_name(self.path.name + ending)
-                if beside.exists():
-                    beside.rename(f"{aside}{ending}")
-        except OSError as failure:
+            with FileLock(self.path.with_name(f"{self.path.name}.aside"), PATIENCE_SECONDS):
+                if opened[:1] not in ((), self._found()[:1]):
+                    return (
+                        "; another server has put it aside, and what follows is kept in a new file"
+                    )
+                return self._put_aside()
+        except (OSError, Timeout) as failure:
             return f"; it could not be put aside ({failure})"
+
+    def _put_aside(self) -> str:
+        aside = self.path.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%S')}-{self.path.name}")
+        self.path.rename(aside)
+        for ending in ("-wal", "-shm"):  # they belong to the damaged file and to no other
+            beside = self.path.with_name(self.path.name + ending)
+            if beside.exists():
+                beside.rename(f"{aside}{ending}")
         return f"; it was put aside as {aside.name}, and what follows is kept in a new file"
 
     def _opened(self) -> sqlite3.Connection:
@@ -101,7 +138,9 @@ class Database:
         connection = sqlite3.connect(
             self.path, timeout=WAIT_SECONDS, isolation_level=None, check_same_thread=False
         )
+        connection.text_factory = _text
         try:
+            self._identity = self._found()
             _patiently(connection, "PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = FULL")  # a power cut takes no step back
             connection.execute("PRAGMA foreign_keys = ON")
@@ -119,12 +158,55 @@ class Database:
             for statement in SCHEMA.split(";"):
                 connection.execute(statement)
             connection.execute(f"PRAGMA user_version = {FORMAT}")
+        if found in (0, FORMAT):
+            connection.execute(ADDED)
         connection.execute("COMMIT")
         if found not in (0, FORMAT):
             raise StoreUnavailable(
                 f"{self.path}: its format is {found}, this version of evdash keeps {FORMAT}; "
                 "move the file away or name another folder in EVDASH_STORE"
             )
+        if _tables(connection) != OWN_TABLES:
+            raise _OtherTables("its tables are not those that evdash makes")
+
+
+def _text(stored: bytes) -> str:
+    """Text as it is stored; damaged, as what nothing equals, where Python would have no word."""
+    return stored.decode("utf-8", "replace")
+
+
+class _OtherTables(Exception):
+    """A file of our format whose tables are not ours: its list of tables is damaged."""
+
+
+def _tables(connection: sqlite3.Connection) -> dict[str, str]:
+    """What every table and index was made with, by name."""
+    found = connection.execute("SELECT name, sql FROM sqlite_master").fetchall()
+    return {name: " ".join((sql or "").split()) for name, sql in found}
+
+
+def _own_tables() -> dict[str, str]:
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.executescript(SCHEMA + ADDED)
+        return _tables(connection)
+
+
+OWN_TABLES = _own_tables()
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _is_damage(error: Exception) -> bool:
+    """Whether the file itself is spoilt: SQLite says so, or its list of tables is not text."""
+    if isinstance(error, sqlite3.Error):
+        return _kind(error) in DAMAGED
+    return isinstance(error, UnicodeDecodeError | _OtherTables)
 
 
 def _begin(connection: sqlite3.Connection) -> None:
@@ -158,6 +240,8 @@ def _told(error: Exception) -> str:
             f"other servers kept writing for {PATIENCE_SECONDS:g} s; "
             "the next change is kept together with this one"
         )
+    if isinstance(error, UnicodeDecodeError):
+        return "what it holds is not text where text should be"
     return str(error)
 
 

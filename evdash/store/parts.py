@@ -49,6 +49,17 @@ def _adapter(hint: Any) -> TypeAdapter[Any]:
     return TypeAdapter(hint)
 
 
+DAMAGED = "the record of the run is damaged"
+
+
+class DamagedPart(Exception):
+    """A part that is not what its name says it is."""
+
+
+def _name(body: Body) -> str:
+    return hashlib.blake2b(body, digest_size=DIGEST_BYTES).hexdigest()
+
+
 class Taking:
     """Takes a run apart: its manifest, and the bodies of those parts that are not known yet."""
 
@@ -80,7 +91,7 @@ class Taking:
         known = self.known.get(id(value)) or self._before.get(id(value))
         if known is None or known[0] is not value:
             body = _adapter(hint).dump_json(value)
-            name = hashlib.blake2b(body, digest_size=DIGEST_BYTES).hexdigest()
+            name = _name(body)
             self.new[name] = zlib.compress(body, COMPRESSION)
             known = (value, name)
         self.known[id(value)] = known
@@ -103,17 +114,27 @@ class Putting:
             trace = Trace(**self._record(Trace, told["trace"]), steps=steps)
             opened = self._part(Scenario, told["opened"])
             return Kept(str(told["source"]), opened, trace)
-        except (KeyError, TypeError, zlib.error) as error:
+        except (KeyError, TypeError) as error:
             raise ValueError(f"not a run as this version keeps it: {error}") from error
 
     def _record(self, of: type, names: Mapping[str, str]) -> dict[str, Any]:
         hints = _hints(of)
         return {field: self._part(hints[field], name) for field, name in names.items()}
 
+    def _body(self, name: str) -> bytes:
+        """A part's content, which its name is a digest of."""
+        try:
+            body = zlib.decompress(self._read(name))
+        except zlib.error as error:
+            raise DamagedPart(DAMAGED) from error
+        if _name(body) != name:
+            raise DamagedPart(DAMAGED)
+        return body
+
     def _part(self, hint: Any, name: str) -> Any:
         place = (name, hint)
         if place not in self._made:
-            value = _adapter(hint).validate_json(zlib.decompress(self._read(name)))
+            value = _adapter(hint).validate_json(self._body(name))
             self._made[place] = value
             self.known[id(value)] = (value, name)
         return self._made[place]

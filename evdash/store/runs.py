@@ -8,12 +8,14 @@ from pathlib import Path
 
 from evdash.errors import StoreUnavailable
 from evdash.store.database import Database
-from evdash.store.parts import Kept, Known, Putting, Taking
+from evdash.store.parts import DamagedPart, Kept, Known, Putting, Taking
 
 LINK_BYTES = 16
 DAY_SECONDS = 86_400.0
 MOST_DAYS, MOST_RUNS, MOST_BYTES = 90.0, 2_000, 500_000_000
 """A run goes when nobody has changed it for so long, or the oldest to make room for others."""
+DOUBT_SECONDS = 3 * DAY_SECONDS
+"""So long after it was first found too old a run still stays."""
 PRUNE_EVERY = 200
 OLDEST_SHARE = 10
 
@@ -56,8 +58,9 @@ class Store:
         """
         with self.database.transaction() as data:
             row = data.execute("SELECT version FROM runs WHERE link = ?", (link,)).fetchone()
-            # parts known from a version that is no longer there may be gone with it
-            taken = Taking(known if row == (version,) else {})
+            # parts of a run that is no longer there, or in another file, may be gone with it
+            there = _parts_of(data, link)
+            taken = Taking({at: part for at, part in known.items() if part[1] in there})
             manifest = taken.manifest(kept)
             origin = link
             if row is not None and row[0] != version:
@@ -89,6 +92,8 @@ class Store:
         putting = Putting(bodies.__getitem__)
         try:
             return int(row[0]), putting.kept(row[1]), putting.known
+        except DamagedPart as error:
+            raise StoreUnavailable(f"{self.database.path}: {error}") from error
         except ValueError as error:
             raise StoreUnavailable(
                 f"{self.database.path}: the run was kept by another version of evdash"
@@ -126,13 +131,22 @@ def _insert(
     )
 
 
+def _parts_of(data: sqlite3.Connection, link: str) -> set[str]:
+    """Names of the parts a run is made of as it is kept."""
+    return {name for (name,) in data.execute("SELECT name FROM uses WHERE link = ?", (link,))}
+
+
 def _use(data: sqlite3.Connection, link: str, taken: Taking) -> None:
     """Keep the run's new parts, and remember which ones it is made of.
 
     Parts it is no longer made of are let go by pruning, with those of runs that are gone.
     """
-    data.executemany("INSERT OR IGNORE INTO parts VALUES (?, ?)", taken.new.items())
-    known = {name for (name,) in data.execute("SELECT name FROM uses WHERE link = ?", (link,))}
+    data.executemany(
+        "INSERT INTO parts VALUES (?, ?) ON CONFLICT (name) DO UPDATE SET body = excluded.body "
+        "WHERE body <> excluded.body",  # one there already may be damaged, and the run with it
+        taken.new.items(),
+    )
+    known = _parts_of(data, link)
     data.executemany(
         "INSERT INTO uses VALUES (?, ?)", [(link, name) for name in taken.names - known]
     )
@@ -155,15 +169,27 @@ def _copy_pins(data: sqlite3.Connection, origin: str, link: str) -> None:
 
 def prune(data: sqlite3.Connection, limits: Limits) -> None:
     """Let go of runs that are too old or too many, then of parts that belong to none."""
-    data.execute(
-        "DELETE FROM runs WHERE pinned_by IS NULL AND touched < ?",
-        (time.time() - limits.days * DAY_SECONDS,),
-    )
+    _drop_aged(data, time.time(), limits.days * DAY_SECONDS)
     _drop_oldest(data, _count(data) - limits.runs)
     _drop_unused(data)
     while (count := _count(data)) > 1 and _size_bytes(data) > limits.size_bytes:
         _drop_oldest(data, -(-count // OLDEST_SHARE))
         _drop_unused(data)
+
+
+def _drop_aged(data: sqlite3.Connection, now: float, most_seconds: float) -> None:
+    """Let go of runs found too old twice, DOUBT_SECONDS apart: a clock may be wrong once."""
+    aged = "SELECT link FROM runs WHERE pinned_by IS NULL AND touched < ?"
+    data.execute(f"DELETE FROM doomed WHERE link NOT IN ({aged})", (now - most_seconds,))  # noqa: S608
+    data.execute("UPDATE doomed SET since = ? WHERE since > ?", (now, now))
+    data.execute(
+        "DELETE FROM runs WHERE link IN (SELECT link FROM doomed WHERE since <= ?)",
+        (now - DOUBT_SECONDS,),
+    )
+    data.execute(
+        f"INSERT OR IGNORE INTO doomed SELECT link, ? FROM ({aged})",  # noqa: S608 - no user's text
+        (now, now - most_seconds),
+    )
 
 
 def _count(data: sqlite3.Connection) -> int:

@@ -15,7 +15,7 @@ from evdash.domain.trace import Step
 from evdash.metrics.ac import AcPoint
 
 _PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
-_TURNED = re.compile(r":(?=\S)|@|www(?=\.)|[-<>~=](?=[->=])", re.IGNORECASE)
+_TURNED = re.compile(r":(?=//|[\w+/-]+:)|@|www(?=\.)|[-<>~=](?=[->=])", re.IGNORECASE)
 """After what Streamlit's Markdown would turn into something else."""
 JOINER = "\u2060"
 _UNFIT = re.compile(r"[^a-z0-9]+")

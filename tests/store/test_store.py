@@ -209,9 +209,11 @@ def test_pins_are_runs_of_their_own_and_go_with_their_owner(day: Trace, tmp_path
 
 
 def forget(store: Store, link: str) -> None:
-    """As if this run had not been touched for a year."""
+    """As if this run had not been touched for a year, and that had been seen a year ago."""
     with store.database.transaction() as data:
         data.execute("UPDATE runs SET touched = 0 WHERE link = ?", (link,))
+        runs.prune(data, store.limits)
+        data.execute("UPDATE doomed SET since = 0")
         runs.prune(data, store.limits)
 
 
