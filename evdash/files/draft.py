@@ -5,7 +5,6 @@ as the files it stands for: the same door, the same faults, rows counted as in t
 """
 
 import io
-import tomllib
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -25,6 +24,7 @@ from evdash.domain.scenario import (
     Scenario,
 )
 from evdash.errors import Fault, InputError
+from evdash.files.nested import read_toml
 from evdash.files.scenario_folder import SETTINGS, parse_scenario, resolved, scenario_files
 from evdash.files.tables import decode, read_table, write_table
 from evdash.files.validate import Raw
@@ -110,8 +110,8 @@ def read_settings(content: bytes) -> tuple[Raw, list[Fault]]:
     if faults:
         return {}, faults
     try:
-        return tomllib.loads(text), []
-    except (ValueError, RecursionError) as error:
+        return read_toml(text), []
+    except ValueError as error:
         return {}, [Fault(SETTINGS, f"text that is not TOML ({error})", "should be TOML")]
 
 

@@ -1,6 +1,5 @@
 """Single settings laid over a scenario: `--set station.chargers=8`, and the app's edits."""
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 from evdash.domain.scenario import Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.checks import Place
+from evdash.files.nested import MOST_LEVELS, read_toml
 from evdash.files.validate import Raw, dotted, field_at, validate
 
 FILE_KEYS = ("arrivals.file", "arrivals.fleet", "arrivals.forecast.fleet")
@@ -47,8 +47,8 @@ def is_text_key(key: str) -> bool:
 
 def _as_toml(text: str) -> object:
     try:
-        read = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
+        read = read_toml(f"value = {text}")
+    except ValueError:
         return text
     return read["value"] if list(read) == ["value"] else text
 
@@ -69,6 +69,8 @@ def apply_settings(raw: Raw, settings: Sequence[Setting]) -> tuple[Raw, list[Fau
 
 def _path(raw: Raw, key: str) -> Place:
     parts = key.split(".")
+    if len(parts) > MOST_LEVELS:
+        raise LookupError(f"a key of {len(parts)} parts")
     if "option_share" in parts[:-1]:
         table = parts[: parts.index("option_share") + 1]
         return (*table, ".".join(parts[len(table) :]))  # names of options may have dots

@@ -1,12 +1,12 @@
 """A run's folder: written as a whole or not at all, and read back for the audit."""
 
 import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
 from evdash.errors import Fault, InputError
 from evdash.files.exchange import Claim
+from evdash.files.nested import read_json
 from evdash.files.scenario_folder import FILE_NAMES
 
 SUMMARY = "summary.json"
@@ -30,8 +30,8 @@ def scenario_hash(files: Mapping[str, bytes]) -> str:
 def is_run(directory: Path) -> bool:
     """Whether a folder holds a run."""
     try:
-        summary = json.loads((directory / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        summary = read_json((directory / SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
         return False
     return isinstance(summary, dict) and summary.get("format") == RUN_FORMAT
 
@@ -50,9 +50,9 @@ def read_run(directory: Path) -> tuple[dict[str, bytes], dict[str, object]]:
     if not directory.is_dir():
         raise InputError([Fault(str(directory), "no such folder", allowed)])
     try:
-        summary = json.loads((directory / SUMMARY).read_text(encoding="utf-8"))
+        summary = read_json((directory / SUMMARY).read_text(encoding="utf-8"))
         files = {p.name: p.read_bytes() for p in directory.iterdir() if p.suffix == ".csv"}
-    except (OSError, ValueError, RecursionError) as error:
+    except (OSError, ValueError) as error:
         found = f"a {SUMMARY} that cannot be read ({error})"
         raise InputError([Fault(str(directory), found, allowed)]) from error
     if not isinstance(summary, dict) or summary.get("format") != RUN_FORMAT:

@@ -1,7 +1,6 @@
 """A scenario folder, in and out."""
 
 import re
-import tomllib
 from collections.abc import Mapping
 from datetime import datetime, time, timedelta
 from pathlib import Path
@@ -27,6 +26,7 @@ from evdash.domain.scenario import (
 from evdash.errors import Fault, InputError
 from evdash.files.checks import Place
 from evdash.files.folder import read_files
+from evdash.files.nested import read_toml
 from evdash.files.overrides import Setting, apply_settings
 from evdash.files.tables import decode, read_table, write_table
 from evdash.files.validate import Raw, dotted, validate
@@ -122,8 +122,8 @@ class _Reader:
         if faults:
             return None
         try:
-            raw = tomllib.loads(text)
-        except (ValueError, RecursionError) as error:  # a number of too many digits: ValueError
+            raw = read_toml(text)
+        except ValueError as error:  # a number of too many digits: ValueError
             self.faults.append(
                 Fault(SETTINGS, f"text that is not TOML ({error})", "should be TOML")
             )

@@ -1,5 +1,6 @@
 """A feeder into a scenario: nodes, lines and what `[feeder]` says, the rest of the day kept."""
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,6 +19,7 @@ from evdash.grid.nets.shipped import SHIPPED, shipped_json
 from evdash.grid.nets.tree import buses_called, names_of
 from evdash.imports.pandapower_json import read_net
 
+log = logging.getLogger(__name__)
 FULL = "1.0"
 SHOWN = 20
 
@@ -43,6 +45,10 @@ def feeder_of_net(
         raise InputError(
             [Fault(f"network, {one['loc'][-1]}", found(one), allowed(one)) for one in details]
         ) from None
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        log.exception("a network could not be converted")
+        told = f"numbers that pandapower makes nothing of ({error})"
+        raise InputError([Fault("network", told, "should have an AC power flow")]) from error
     told = (
         difference.text
         if difference is not None

@@ -5,7 +5,6 @@ file but lists, texts and numbers; of these the known tables are checked row by 
 is looked into beyond whether it has elements in service.
 """
 
-import json
 import math
 from collections import Counter
 from collections.abc import Mapping
@@ -14,6 +13,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from evdash.errors import Fault, InputError
+from evdash.files.nested import read_json
 from evdash.files.wording import allowed, found, shown
 from evdash.grid.nets.records import LARGEST, RECORDS, Element, Net, Other
 
@@ -58,10 +58,9 @@ def decoded_json(name: str, content: bytes, most_bytes: int = MAX_BYTES) -> Any:
         found = f"{lists:,} lists and objects, {values:,} values"
         raise InputError([Fault(name, found, f"at most {MAX_LISTS:,} and {MAX_VALUES:,}")])
     try:
-        return json.loads(content.decode("utf-8-sig"))
-    except (ValueError, RecursionError) as error:
-        told = "too deeply nested" if isinstance(error, RecursionError) else f"{error}"
-        raise InputError([Fault(name, f"text that is not JSON ({told})", FORM)]) from error
+        return read_json(content.decode("utf-8-sig"))
+    except ValueError as error:
+        raise InputError([Fault(name, f"text that is not JSON ({error})", FORM)]) from error
 
 
 def _content(data: Any) -> dict[str, Any]:
@@ -184,8 +183,8 @@ def _frame(raw: Any) -> dict[str, list[Any]] | None:
         data = raw["_object"]
         if isinstance(data, str):
             try:
-                data = json.loads(data)
-            except (ValueError, RecursionError):
+                data = read_json(data)
+            except ValueError:
                 return None
     if not isinstance(data, dict):
         return None
@@ -232,8 +231,8 @@ def _unheld(table: str, cells: Mapping[str, object]) -> dict[str, float]:
 def _position(geo: object) -> dict[str, float]:
     """Drawing position from a GeoJSON point; none where it is anything else."""
     try:
-        point = json.loads(geo) if isinstance(geo, str) else {}
+        point = read_json(geo) if isinstance(geo, str) else {}
         x, y = point["coordinates"][:2]
         return {"x": float(x), "y": float(y)}
-    except (ValueError, TypeError, KeyError, RecursionError):
+    except (ValueError, TypeError, KeyError):
         return {}

@@ -1,7 +1,6 @@
 """A study file read and checked as a whole: every fault is told before anything is run."""
 
 import hashlib
-import tomllib
 from collections.abc import Iterator, Sequence
 from itertools import product
 from pathlib import Path
@@ -22,6 +21,7 @@ from evdash.domain.study import (
 )
 from evdash.errors import Fault, InputError
 from evdash.files.bundled import PRESETS, bundled_scenarios
+from evdash.files.nested import read_toml
 from evdash.files.scenario_folder import read_scenario
 from evdash.files.wording import allowed, found, shown
 from evdash.policies.registry import RULES
@@ -48,8 +48,8 @@ def read_study(path: Path) -> StudyRuns:
 def parse_study(text: str, name: str = "study") -> Study:
     """The study a file's text declares, its fields each by itself; raises InputError."""
     try:
-        raw = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
+        raw = read_toml(text)
+    except ValueError as error:
         raise InputError([Fault(name, f"text that is not TOML ({error})", "TOML")]) from error
     try:
         return Study.model_validate(raw)

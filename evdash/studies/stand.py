@@ -6,6 +6,7 @@ import time
 from dataclasses import asdict, dataclass
 from typing import Literal
 
+from evdash.files.nested import read_json
 from evdash.studies.folder import StudyFolder
 
 STAND, STOP = "stand.json", "stop"
@@ -49,7 +50,7 @@ def read_stand(folder: StudyFolder) -> Stand | None:
     """How far the study is; None where nobody has begun it. What says it is running while no
     process is at it was interrupted."""
     try:
-        stand = Stand(**json.loads((folder.path / STAND).read_text(encoding="utf-8")))
+        stand = Stand(**read_json((folder.path / STAND).read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):
         return None
     fresh = stand.state == "starting" and time.time() - stand.since < START_SECONDS

@@ -50,6 +50,24 @@ def test_an_uploaded_network_waits_and_tells_how_it_is_converted() -> None:
     assert not editor(at).is_edited
 
 
+def test_a_network_that_pandapower_fails_at_is_told_and_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Whatever it fails of: the form stays, with its way out."""
+
+    def fails(*_: object) -> None:
+        raise ValueError("no [such] number")
+
+    monkeypatch.setattr("evdash.imports.feeder.ac_difference", fails)
+    at = opened()
+    upload(at, **{"net.json": shipped_json("four_bus")})
+    assert not at.exception
+    assert any("cannot be a feeder here" in error.value for error in at.error)
+    press(at, "leave_network")
+    assert "network_form" not in str(at.main)
+    assert not editor(at).is_edited
+
+
 def test_a_known_network_is_chosen_with_its_station() -> None:
     at = opened()
     at.selectbox(key="shipped_network").set_value("case33bw").run()

@@ -85,7 +85,7 @@ def test_a_limit_that_lets_nothing_through_is_refused(table, column, value) -> N
     net[table][column] = value
     words = faults_of(net)
     assert f"table {table}, row 0, column {column}" in words
-    assert "should be above 0" in words
+    assert "should be at least 0.0001" in words
 
 
 @pytest.mark.parametrize(

@@ -77,6 +77,14 @@ def _refused(net: Net, buses: Mapping[int, Bus]) -> Iterable[Fault]:
     for other in net.others:
         if other.in_service:
             yield Fault(other.told(other.table), "in service", rule)
+    for load in net.load:
+        for part in ("p", "q"):
+            shares = [getattr(load, f"const_{kind}_{part}_percent") for kind in "zi"]
+            if sum(shares) > 100:
+                place = (
+                    f"{load.told('load')}, columns const_z_{part}_percent, const_i_{part}_percent"
+                )
+                yield Fault(place, f"{sum(shares):g} together", "should be at most 100")
     for shunt in net.shunt:
         if shunt.in_service and shunt.step_dependency_table:
             yield Fault(shunt.told("shunt"), "steps by table (step_dependency_table)", rule)

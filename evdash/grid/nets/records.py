@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 LARGEST = 1e9
+SMALLEST = 0.0001
+"""Of what stands below a fraction line: less is no size of anything built."""
 
 
 def _null_to_default(default: Any) -> BeforeValidator:
@@ -21,7 +23,12 @@ def _text_or_none(value: object) -> object:
 
 
 Size = Annotated[float, Field(ge=0, le=LARGEST)]
-Positive = Annotated[float, Field(gt=0, le=LARGEST)]
+Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
+Kilovolt = Annotated[float, Field(ge=0.01, le=2000)]
+PerUnit = Annotated[float, Field(ge=0.5, le=1.5)]
+Percent = Annotated[float, Field(ge=0, le=100), _null_to_default(0.0)]
+TapStep = Annotated[float, Field(ge=-1000, le=1000)]
+TapPercent = Annotated[float, Field(ge=-100, le=100)]
 Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Zero = Annotated[Signed, _null_to_default(0.0)]
 SizeOrZero = Annotated[Size, _null_to_default(0.0)]
@@ -55,7 +62,7 @@ class Element(BaseModel):
 class Bus(Element):
     """A bus; its position as drawn, where the file has one."""
 
-    vn_kv: Positive
+    vn_kv: Kilovolt
     min_vm_pu: Size | None = None
     max_vm_pu: Size | None = None
     x: Signed | None = None
@@ -84,22 +91,22 @@ class Trafo(Element):
     hv_bus: int
     lv_bus: int
     sn_mva: Positive
-    vn_hv_kv: Positive
-    vn_lv_kv: Positive
+    vn_hv_kv: Kilovolt
+    vn_lv_kv: Kilovolt
     vk_percent: Positive
     vkr_percent: SizeOrZero = 0.0
     pfe_kw: SizeOrZero = 0.0
     i0_percent: SizeOrZero = 0.0
     shift_degree: Zero = 0.0
     tap_side: Literal["hv", "lv"] | None = None
-    tap_neutral: Signed | None = None
-    tap_pos: Signed | None = None
-    tap_step_percent: Signed | None = None
+    tap_neutral: TapStep | None = None
+    tap_pos: TapStep | None = None
+    tap_step_percent: TapPercent | None = None
     tap_step_degree: Signed | None = None
     tap_changer_type: Text = None
     tap_dependency_table: No = False
-    tap2_pos: Signed | None = None
-    tap2_neutral: Signed | None = None
+    tap2_pos: TapStep | None = None
+    tap2_neutral: TapStep | None = None
     leakage_resistance_ratio_hv: Half = 0.5
     leakage_reactance_ratio_hv: Half = 0.5
     max_loading_percent: Positive | None = None
@@ -119,10 +126,10 @@ class Power(Element):
 class Load(Power):
     """A load; shares of constant impedance and constant current in percent."""
 
-    const_z_p_percent: Zero = 0.0
-    const_i_p_percent: Zero = 0.0
-    const_z_q_percent: Zero = 0.0
-    const_i_q_percent: Zero = 0.0
+    const_z_p_percent: Percent = 0.0
+    const_i_p_percent: Percent = 0.0
+    const_z_q_percent: Percent = 0.0
+    const_i_q_percent: Percent = 0.0
 
     @property
     def depends_on_voltage(self) -> bool:
@@ -136,7 +143,7 @@ class Shunt(Element):
     bus: int
     p_mw: Zero = 0.0
     q_mvar: Zero = 0.0
-    vn_kv: Positive | None = None
+    vn_kv: Kilovolt | None = None
     step: One = 1.0
     step_dependency_table: No = False
 
@@ -165,7 +172,7 @@ class ExtGrid(Element):
     """Where the network is supplied, at a voltage held."""
 
     bus: int
-    vm_pu: Annotated[Positive, _null_to_default(1.0)] = 1.0
+    vm_pu: Annotated[PerUnit, _null_to_default(1.0)] = 1.0
 
 
 class Other(Element):

@@ -17,6 +17,7 @@ from filelock import FileLock
 from evdash.domain.trace import Network
 from evdash.errors import EvdashError
 from evdash.files.exchange import output_folder
+from evdash.files.nested import read_json
 from evdash.files.race_folder import RACE, is_race, write_race
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.inputs import prepare
@@ -45,7 +46,7 @@ class Stand:
 def read_stand(folder: Path) -> Stand:
     """How the race in a folder stands; waiting while nothing is said."""
     try:
-        return Stand(**json.loads((folder / STAND).read_text(encoding="utf-8")))
+        return Stand(**read_json((folder / STAND).read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):
         return Stand("waiting")
 

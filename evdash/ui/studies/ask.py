@@ -1,6 +1,5 @@
 """Asking: a ready-made question or axes of one's own, what it will take, and the start."""
 
-import tomllib
 from collections.abc import Sequence
 
 import streamlit as st
@@ -9,6 +8,7 @@ from evdash.domain.digest import digest
 from evdash.domain.scenario import Scenario
 from evdash.domain.study import Axis, Seeds, Study, StudyRuns
 from evdash.errors import Fault, InputError
+from evdash.files.nested import read_toml
 from evdash.policies.registry import RULES
 from evdash.studies.background import spare_cores
 from evdash.studies.estimate import seconds_needed
@@ -135,7 +135,7 @@ def read_values(text: str) -> tuple[object, ...]:
     for part in (part.strip() for part in text.split(",")):
         if part:
             try:
-                read = tomllib.loads(f"value = {part}")
+                read = read_toml(f"value = {part}")
             except ValueError:
                 read = {}
             values.append(read["value"] if list(read) == ["value"] else part)
