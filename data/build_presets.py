@@ -56,7 +56,7 @@ PRESETS = (
     Preset(
         "winter-weekday",
         "Winter weekday",
-        "Heating keeps the load high from morning to night; the evening peak comes at 20:00.",
+        "Heating gives the load two peaks, at 08:00 and, the higher one, at 20:00.",
         "2020-01-15",
         "winter_weekday",
     ),

@@ -19,7 +19,7 @@ with st.container(key="live"):
     overload, progress = st.container(key="overload"), st.container()
     head.answer(session)
     ledger.notice(session)
-    prompts.case_panel()
+    prompts.case_panel(session)
     head.key_figures(session)
     prompts.prompts_row(session)
     prompts.outcome(session)

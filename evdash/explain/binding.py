@@ -70,7 +70,9 @@ def reached_in(step: Step) -> Iterator[str]:
     rows, interval = step.inputs.rows, step.interval
     room_kw = np.maximum(0.0, rows.limit_kw[interval]) / rows.coefficient[:, STATION]
     left_kw = room_kw - step.station_kw
-    for row in np.flatnonzero(left_kw <= np.maximum(REACHED_KW, REACHED_SHARE * room_kw)):
+    near_kw = np.maximum(REACHED_KW, REACHED_SHARE * room_kw)
+    # a row without a limit in this interval has all the room there is, and is never reached
+    for row in np.flatnonzero(np.isfinite(room_kw) & (left_kw <= near_kw)):
         yield rows.elements[row]
     if 0 < step.inputs.scenario.station.chargers <= int(step.plan.charging[0]):
         yield CHARGERS

@@ -25,8 +25,8 @@ GLOSSARY: Mapping[str, str] = {
     "Fallback": "The rest of the plan before, with nobody new: used where the optimiser had "
     "nothing better in time. It keeps every contract.",
     "Gap": "How far a plan is, at most, from the best there can be, in dollars.",
-    "Headroom": "The most the station may draw in an interval so that no limit of the feeder is "
-    "exceeded, in kW.",
+    "Headroom": "The most the station may draw in an interval without exceeding a limit of the "
+    "feeder, in kW; 0 where the feeder by itself exceeds one that charging would worsen.",
     "Horizon": "The whole time that is planned, usually a day. Moving horizon: the plan for "
     "the rest of it is made anew in every interval.",
     "Interval": "The step in which the day is decided, usually an hour.",

@@ -6,13 +6,11 @@ import numpy as np
 
 from evdash.domain.outlook import Outlook
 from evdash.domain.trace import Network, Trace
+from evdash.explain.binding import CHARGERS, REACHED_KW, reached_in
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.records import refused_by_reason, vehicle_records
 from evdash.metrics.totals import Totals
 from evdash.ui.words import clock, counted, element_words, money, plain
-
-FULL = 0.999
-"""So much of its headroom in use, the feeder counts as full."""
 
 
 def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
@@ -102,14 +100,15 @@ def _limits_behind(trace: Trace, outlook: Outlook) -> str:
     of_all = f"of {counted(outlook.n_intervals, 'hour' if hourly else 'interval')}"
     used = f"All chargers were in use in {busy} {of_all}" if busy else "A charger was always free"
     headroom_kw = outlook.headroom_kw
-    full = np.flatnonzero(outlook.station_kw >= FULL * headroom_kw)
-    if not full.size:
+    full = [s.interval for s in trace.steps if any(e != CHARGERS for e in reached_in(s))]
+    if not full:
         return f"{used}; the feeder was never full."
-    t = int(full[headroom_kw[full].argmin()])
+    t = min(full, key=lambda t: headroom_kw[t])
+    room = f"just {headroom_kw[t]:,.0f}\u00a0kW" if headroom_kw[t] > REACHED_KW else "nothing"
     element = element_words(outlook.binding[t], trace.scenario)
     return (
-        f"{used}; the feeder was full in {full.size}{'' if busy else f' {of_all}'}: at "
-        f"{clock(outlook.times[t], outlook)} {element} allowed just {headroom_kw[t]:,.0f}\u00a0kW."
+        f"{used}; the feeder was full in {len(full)}{'' if busy else f' {of_all}'}: at "
+        f"{clock(outlook.times[t], outlook)} {element} allowed {room}."
     )
 
 

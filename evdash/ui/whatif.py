@@ -11,6 +11,7 @@ import numpy as np
 
 from evdash.domain.events import Event
 from evdash.domain.scenario import GeneratedArrivals
+from evdash.explain.words import Clock
 from evdash.horizon.day import run_day
 from evdash.metrics.totals import Totals, totals
 from evdash.ui import run as runs
@@ -22,6 +23,8 @@ FEWER_CHARGERS = 2
 FAILURE_HOUR = 18
 PEAK_SHARE = 0.95
 """Prices within so much of the highest to come count as the peak."""
+
+FOR_NEXT_RUN = "in force when the day is run again; Reset, and step, to see it hour by hour"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +49,17 @@ class Prompted:
     def is_for_next_run(self) -> bool:
         """Whether the day was over when it was pressed."""
         return self.before.trace.is_over
+
+    def told(self, run: Run) -> str:
+        """What the table of effects is about, as Markdown, seen from the run as it is by now."""
+        name = f"**{plain(self.label)}"
+        if run.trace is self.after.trace:
+            when = FOR_NEXT_RUN if self.is_for_next_run else "what it does to the day"
+            return f"{name}:** {when}. Undo takes it back."
+        trace = self.before.trace
+        when = f"at {trace.scenario.time_of(trace.now):%H:%M}"
+        when = "once the day was over" if self.is_for_next_run else when
+        return f"{name}**, pressed {when}: what it does to the day if nothing else is changed."
 
     @cached_property
     def effects(self) -> list[dict[str, str]]:
@@ -73,10 +87,13 @@ def _dearer_peak(run: Run) -> Prompt:
     peak = (np.arange(len(prices)) >= first) & (prices >= PEAK_SHARE * highest)
     doubled = tuple(np.where(peak, 2 * prices, prices).tolist())
     label = "Double the peak price"
+    hours = Clock(run.trace.scenario, first).spans(np.flatnonzero(peak).tolist())
     return Prompt(
         "dearer_peak",
         label,
-        f"Energy at its dearest still to come, {money(highest)}/kWh, costs twice as much.",
+        f"Energy is dearest {hours}, up to {highest:.3g} \\$/kWh; it costs twice as much then."
+        if highest > 0
+        else "Not here: no energy price still to come is above 0.",
         (lambda run: runs.edited(run, label, {}, doubled)) if highest > 0 else None,
     )
 

@@ -1,23 +1,24 @@
-"""Prompts, guests and prepared cases: what they do, and that what the cases say is so."""
+"""Prompts and guests: what they do, and that what is said of it is so."""
 
+import re
 from dataclasses import replace
 
 import pytest
 
-from evdash.domain.scenario import Arrival
+from evdash.domain.events import Event
+from evdash.domain.scenario import Arrival, Scenario
+from evdash.domain.trace import Trace
 from evdash.errors import InputError
-from evdash.files.bundled import DEFAULT
-from evdash.files.scenario_folder import read_scenario
+from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.guests import guest_name, joined
-from evdash.metrics.outlook import outlook
+from evdash.metrics.records import vehicle_records
 from evdash.metrics.totals import totals
-from evdash.ui.cases import CASES
 from evdash.ui.run import Run, edited, open_run, stepped, visited
 from evdash.ui.session import Session, bundled, bundled_names
 from evdash.ui.solving import policy
 from evdash.ui.whatif import prompts
-from tests.app.test_live_page import clicked, now, opened, session
+from tests.app.test_live_page import clicked, opened, session
 
 
 def begun(steps: int = 0, preset: str = DEFAULT.name) -> Run:
@@ -87,6 +88,92 @@ def test_before_and_after_are_both_days_run_to_their_ends() -> None:
     assert after != before
 
 
+def changed_by_hand(scenario: Scenario, key: str) -> Scenario:
+    """What a prompt makes of a day that has not begun, written down without the prompts."""
+    prices = scenario.price_per_kwh.tolist()
+    dear = [price >= 0.95 * max(prices) for price in prices]
+    station = scenario.station
+    fewer = station.model_copy(update={"chargers": station.chargers - 2})
+    first = scenario.arrivals.model_copy(update={"option_share": {"C1": 1.0, "C2": 0.0}})
+    fails = {"interval": 18, "event": "chargers_fail", "value": 1}
+    rows = tuple(
+        row.model_copy(update={"price_per_kwh": row.price_per_kwh * (1 + twice)})
+        for row, twice in zip(scenario.profile, dear, strict=True)
+    )
+    made = {
+        "dearer_peak": {"profile": rows},
+        "fewer_chargers": {"station": fewer},
+        "everyone_picks": {"arrivals": first},
+        "failure": {"events": (Event.model_validate(fails),)},
+    }
+    return scenario.replacing(**made[key])
+
+
+def as_told(trace: Trace) -> dict[str, str]:
+    """A day's totals as the table has them, summed up here from vehicles and steps."""
+    mine = [r for r in vehicle_records(trace) if r.status != "refused"]
+    cost = sum(s.station_kw * s.inputs.scenario.price_per_kwh[s.interval] for s in trace.steps)
+    revenue = sum(r.promised_kwh * r.request.price_per_kwh for r in mine if r.status == "charged")
+    revenue += sum(r.delivered_kwh * r.request.price_per_kwh for r in mine if r.status == "broken")
+    broken = sum(r.delivered_kwh < r.promised_kwh - 0.01 for r in mine)
+    return {
+        "Admitted": f"{len(mine)} of {len(vehicle_records(trace))}",
+        "Broken promises": f"{broken}",
+        "Delivered": f"{sum(s.station_kw for s in trace.steps):,.0f} kWh",
+        "Highest station load": f"{max(s.station_kw for s in trace.steps):,.0f} kW",
+        "Revenue": f"${revenue:,.2f}",
+        "Energy cost": f"{'−' if cost < 0 else ''}${abs(cost):,.2f}",
+        "Profit": f"${revenue - cost:,.2f}",
+    }
+
+
+@pytest.mark.parametrize("key", ["dearer_peak", "fewer_chargers", "everyone_picks", "failure"])
+@pytest.mark.parametrize("preset", [folder.name for folder in bundled_scenarios()])
+def test_every_prompt_tells_both_days_as_they_are(preset: str, key: str) -> None:
+    run = begun(0, preset)
+    there = pressed(run, key)
+    assert there.prompted is not None
+    before, after = there.prompted.effects
+    by_hand = run_day(start_day(changed_by_hand(run.trace.scenario, key)), policy)
+    assert before == {"By the end of the day": "Before"} | as_told(run_day(run.trace, policy))
+    assert after == {"By the end of the day": "After"} | as_told(by_hand)
+
+
+@pytest.mark.parametrize("steps", [0, 16, 24])
+@pytest.mark.parametrize("preset", [folder.name for folder in bundled_scenarios()])
+def test_the_hours_named_as_dearest_are_those_whose_price_doubles(preset: str, steps: int) -> None:
+    run = begun(steps, preset)
+    prompt = next(prompt for prompt in prompts(run) if prompt.key == "dearer_peak")
+    old, new = (
+        there.trace.scenario.price_per_kwh for there in (run, pressed(run, "dearer_peak").run)
+    )
+    dear = [t for t in range(len(old)) if new[t] != old[t]]
+    first = 0 if run.trace.is_over else steps
+    assert f"{old[first:].max():.3g} \\$/kWh" in prompt.help
+    for begin, end in re.findall(r"from (\d\d:\d\d).*? to (\d\d:\d\d)", prompt.help):
+        hours = range(int(begin[:2]), int(end[:2]))
+        assert {t % 24 for t in dear} & set(hours) == set(hours)
+        dear = [t for t in dear if t % 24 not in hours]
+    assert dear == []
+
+
+def test_what_a_prompt_did_is_told_as_what_it_was_once_the_run_goes_on() -> None:
+    there = pressed(begun(10), "fewer_chargers")
+    assert there.prompted is not None
+    assert "Undo takes it back" in there.prompted.told(there.run)
+    there.step()
+    later = there.prompted.told(there.run)
+    assert "pressed at 10:00" in later
+    assert "nothing else is changed" in later
+    assert "Undo" not in later
+    over = pressed(begun(24), "everyone_picks")
+    assert over.prompted is not None
+    assert "day is run again" in over.prompted.told(over.run)
+    over.reset()
+    assert "pressed at end" not in over.prompted.told(over.run)
+    assert "once the day was over" in over.prompted.told(over.run)
+
+
 def test_a_prompt_is_pressed_told_and_undone_in_the_page() -> None:
     at = opened(steps=2)
     before = session(at).run.trace
@@ -128,40 +215,6 @@ def test_a_guest_that_cannot_be_is_refused_in_words() -> None:
     over = run_day(run.trace, policy)
     with pytest.raises(InputError, match="day"):
         joined(over, guest(over))
-
-
-def test_each_case_opens_its_day_and_can_be_closed() -> None:
-    for number, case in enumerate(CASES):
-        at = opened(steps=1)
-        clicked(at, "cases")
-        clicked(at, f"case_{number}")
-        at.run()
-        assert now(at) == 0
-        assert session(at).run.folder is not None
-        assert session(at).run.folder.name == case.preset
-        assert any(case.question in text.value for text in at.markdown)
-        clicked(at, "close_case")
-        assert not any(case.question in text.value for text in at.markdown)
-
-
-def test_what_the_cases_say_is_so() -> None:
-    summer = run_day(start_day(read_scenario(bundled_names()["summer-weekday"])), policy)
-    evening = summer.steps[18]
-    assert round(outlook(summer).headroom_kw[18]) == 61
-    assert evening.station_kw == pytest.approx(61, abs=2)
-    assert int(evening.plan.charging[0]) < 12
-    assert evening.plan.refused
-    spike = run_day(start_day(read_scenario(bundled_names()["price-spike"])), policy)
-    prices = spike.scenario.price_per_kwh[13:21]
-    assert 1 < prices.min() < prices.max() < 1.565
-    assert spike.scenario.price_per_kwh[[12, 21]].max() < 0.2
-    assert sum(step.station_kw for step in spike.steps[13:20]) < 1
-    assert totals(summer).admitted == pytest.approx(2 * totals(spike).admitted, abs=2)
-    scenario = read_scenario(bundled_names()["voltage-limited"])
-    linear, ac = (run_day(start_day(scenario, n), policy) for n in ("lindistflow", "ac"))
-    assert outlook(linear).binding[18] == "voltage_min:652"
-    assert outlook(ac).headroom_kw[16:20].max() < 0.01
-    assert totals(ac).admitted < 0.7 * totals(linear).admitted
 
 
 def test_a_vehicle_is_asked_for_in_the_page() -> None:

@@ -9,13 +9,14 @@ from evdash.domain.breach import Breach
 from evdash.domain.plan import SolveReport
 from evdash.domain.refusal import CLAUSES
 from evdash.domain.trace import Trace
-from evdash.files.bundled import DEFAULT
+from evdash.files.bundled import DEFAULT, PRESETS
 from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.revise import revise
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.outlook import outlook
+from evdash.metrics.records import interval_records
 from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
 from evdash.ui.story import ac_told, story
@@ -69,6 +70,9 @@ def test_a_day_that_is_over_says_why_everyone_was_refused_and_what_was_used_up(d
     assert f"{CLAUSES['after the end']} (7)" in said
     busy = sum(step.plan.charging[0] == 12 for step in over.steps)
     assert f"All chargers were in use in {busy} of 24 hours; the feeder was full in" in said
+    records = interval_records(over)
+    full = sum(r.headroom_kw - r.station_kw <= max(0.05, 1e-3 * r.headroom_kw) for r in records)
+    assert f"the feeder was full in {full}: at" in said
     few = told(run_day(start_day(edit_scenario(day.scenario, {"station.chargers": 2})), P1))
     assert "the feeder was never full" in few
     nobody = start_day(edit_scenario(day.scenario, {"station.chargers": 0}))
@@ -163,3 +167,10 @@ def test_money_has_two_digits_and_one_sign() -> None:
     assert money(1234.5) == "\\$1,234.50"
     assert money(-0.004) == "\\$0.00"
     assert money(-3) == "−\\$3.00"
+
+
+def test_hours_in_which_the_feeder_leaves_nothing_count_as_full() -> None:
+    day = read_scenario(PRESETS / "voltage-limited")
+    said = told(run_day(start_day(day, "ac"), P1))
+    assert "the feeder was full in 5 of 24 hours: at 17:00 the lowest voltage" in said
+    assert said.endswith("allowed nothing.")

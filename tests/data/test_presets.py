@@ -10,6 +10,10 @@ import pytest
 from evdash.checker.feeder import FeederCheck
 from evdash.files.scenario_folder import read_scenario
 from evdash.grid.reduction import limit_rows
+from evdash.horizon.day import run_day, start_day
+from evdash.horizon.networks import NETWORKS
+from evdash.metrics.records import interval_records
+from evdash.scheduling.p1 import p1_policy
 from tests.builders import PRESETS
 
 DATA = PRESETS.parent
@@ -104,3 +108,62 @@ def test_past_midnight_has_six_hours_more_to_charge_in(presets):
     assert (longer.intervals, longer.arrivals_end) == (30, 24)
     assert day.arrivals == longer.arrivals
     assert longer.price_per_kwh[:24].tolist() == day.price_per_kwh.tolist()
+
+
+def story(build, folder):
+    return next(preset.story for preset in build.PRESETS if preset.folder == folder)
+
+
+def test_stories_are_those_of_their_days(build, presets):
+    """Every number and hour a preset's README tells, from its tables and its day."""
+    summer = presets["summer-weekday"]
+    assert story(build, "summer-weekday") == (
+        "An ordinary day: the 500 kVA transformer at node 634 binds in the evening."
+    )
+    (transformer,) = [line for line in summer.lines if line.name == "633-634"]
+    assert (transformer.rating_kva, summer.station.node) == (500, "634")
+    reached = {r.interval for r in records(summer) if r.station_kw >= 0.999 * r.headroom_kw}
+    assert reached
+    assert reached <= set(range(18, 23))
+
+    assert story(build, "price-spike").endswith("energy above 1 $/kWh from 13:00 to 21:00.")
+    assert presets["price-spike"].start.strftime("%B %Y") == "August 2020"
+
+    told = story(build, "negative-price")
+    assert told == "A Sunday in June with ten hours of negative prices around noon."
+    assert presets["negative-price"].start.strftime("%A %B") == "Sunday June"
+    negative = np.flatnonzero(presets["negative-price"].price_per_kwh < 0)
+    assert negative.tolist() == list(range(6, 16))
+
+    told = story(build, "winter-weekday")
+    assert told == "Heating gives the load two peaks, at 08:00 and, the higher one, at 20:00."
+    load = presets["winter-weekday"].load_pu
+    peaks = [t for t in range(1, 23) if load[t - 1] < load[t] > load[t + 1]]
+    assert peaks == [8, 20]
+    assert load[20] > load[8]
+
+    assert "node 671, loads 8 % higher: the voltage at node 652 binds" in story(
+        build, "voltage-limited"
+    )
+    limited = presets["voltage-limited"]
+    assert (limited.station.node, limited.feeder.load_scale) == ("671", 1.08)
+    full = {r.binding for r in records(limited) if r.station_kw >= 0.99 * r.headroom_kw}
+    assert full == {"voltage_min:652"}
+
+    assert "six hours more to charge in" in story(build, "past-midnight")
+    day, longer = (
+        sum(r.admitted for r in records(presets[n])) for n in ("summer-weekday", "past-midnight")
+    )
+    assert longer > day
+
+
+def records(scenario):
+    return interval_records(run_day(start_day(scenario), p1_policy()))
+
+
+def test_the_linearised_model_leaves_more_room_than_ac_wherever_loads_are_all_there_is(presets):
+    """What the switch between the two says in the app."""
+    for scenario in presets.values():
+        assert not any(row.generation_pu for row in scenario.profile)
+        linear, ac = (NETWORKS[name].rows(scenario).headroom_kw() for name in ("lindistflow", "ac"))
+        assert (linear > ac).all()

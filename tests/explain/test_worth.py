@@ -128,3 +128,17 @@ def test_what_binds_is_told_with_its_hours(bundled):
     full = next(row for row in binding_elements(bundled) if row.element == CHARGERS).reached
     assert f"All chargers are in use {Clock(bundled.scenario, 0).spans(full)}." in told
     assert binding_told(start_day(bundled.scenario)) == ()
+
+
+@pytest.mark.parametrize("preset", sorted(path.name for path in PRESETS.iterdir()))
+def test_in_ac_too_only_that_is_reached_which_leaves_no_more_room(preset):
+    """Elements without a limit of their own in an interval have all the room there is."""
+    trace = run_day(start_day(read_scenario(PRESETS / preset, ()), "ac"), p1_policy())
+    records = interval_records(trace)
+    full = {
+        (r.interval, r.binding)
+        for r in records
+        if r.headroom_kw - r.station_kw <= max(0.05, 1e-3 * r.headroom_kw)
+    }
+    rows = [row for row in binding_elements(trace) if row.element != CHARGERS]
+    assert {(t, row.element) for row in rows for t in row.reached} == full

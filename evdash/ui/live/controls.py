@@ -14,6 +14,7 @@ import streamlit as st
 
 from evdash.domain.outlook import Outlook
 from evdash.ui.apart import one_click
+from evdash.ui.curves import CURVES, curve_prices, curve_title
 from evdash.ui.session import PRESET, Session, bundled, bundled_names
 from evdash.ui.settings import (
     NETWORK_NAMES,
@@ -22,12 +23,10 @@ from evdash.ui.settings import (
     arrival_controls,
     bounds,
     charger_control,
-    curve_for,
     edit_log,
     help_text,
     option_controls,
     price_field,
-    prices_from_now,
     setting_labels,
 )
 from evdash.ui.words import clock, plain
@@ -35,10 +34,10 @@ from evdash.ui.words import clock, plain
 CURVE, NETWORK = "price_curve", "network"
 OWN = ""
 """Stands among the presets for a scenario of the user's own."""
-CURVES = {"Ordinary": "summer-weekday", "Spike": "price-spike", "Negative": "negative-price"}
 NETWORK_HELP = (
     "The model of the feeder whose limits the schedule keeps. Linearised DistFlow, as in the "
-    "paper, leaves out losses and so allows a little too much; full AC power flow does not."
+    "paper, leaves out losses and so allows too much where the feeder is loaded; full AC power "
+    "flow counts them."
 )
 PRICE_COLUMN = "Price, $/kWh"
 
@@ -68,10 +67,7 @@ def take_edits(session: Session) -> None:
 
 def take_curve(session: Session, curve: str) -> None:
     """Put the prices of a bundled scenario in force from now on."""
-    trace = session.run.trace
-    source = bundled(bundled_names()[CURVES[curve]])
-    prices = prices_from_now(trace, curve_for(trace.scenario, source))
-    session.edit(f"{curve.lower()} prices", {}, prices)
+    session.edit(curve_title(curve), {}, curve_prices(session.run.trace, curve))
 
 
 def show_truth(session: Session, state: MutableMapping[Any, Any]) -> None:
@@ -92,9 +88,8 @@ def curve_in_force(session: Session) -> str | None:
     """The bundled price curve in force from now on, if it is one."""
     trace = session.run.trace
     prices = tuple(trace.scenario.price_per_kwh.tolist())
-    for name, folder in CURVES.items():
-        curve = curve_for(trace.scenario, bundled(bundled_names()[folder]))
-        if prices_from_now(trace, curve) == prices:
+    for name in CURVES:
+        if curve_prices(trace, name) == prices:
             return name
     return None
 

@@ -6,10 +6,12 @@ from pydantic import ValidationError
 from evdash.domain.scenario import Arrival
 from evdash.horizon.guests import guest_name
 from evdash.ui.apart import one_click
-from evdash.ui.cases import CASES, Case
+from evdash.ui.cases.case import Case, seen
+from evdash.ui.cases.lecture import CASES
 from evdash.ui.parts import small_table
-from evdash.ui.session import Session, bundled_names
+from evdash.ui.session import Session, bundled, bundled_names
 from evdash.ui.settings import bounds, help_text
+from evdash.ui.telling import told_later
 from evdash.ui.whatif import prompts
 from evdash.ui.words import plain
 
@@ -51,14 +53,10 @@ def outcome(session: Session) -> None:
         return
     with st.container(key="outcome", border=True):
         with st.container(horizontal=True, vertical_alignment="center"):
-            since = FOR_NEXT_RUN if prompted.is_for_next_run else "in force from now on"
-            st.markdown(f"**{plain(prompted.label)}:** {since}. Undo takes it back.")
+            st.markdown(prompted.told(session.run))
             st.button("Close", on_click=session.dismiss, key="dismiss", type="tertiary")
         with st.spinner("Running both days to their end …"):
             small_table(prompted.effects, height=320)
-
-
-FOR_NEXT_RUN = "in force when the day is run again; Reset, and step, to see it hour by hour"
 
 
 @st.dialog("Add a PEV now")
@@ -129,12 +127,12 @@ def _open_case(session: Session, case: Case) -> None:
     st.session_state[CASE] = case
 
 
-def case_panel() -> None:
+def case_panel(session: Session) -> None:
     """The case that is being worked through."""
     case: Case | None = st.session_state.get(CASE)
     if case is None:
         return
-    with st.container(key="case", border=True):
+    with st.container(key="case", border=True, gap="xsmall"):
         with st.container(horizontal=True, vertical_alignment="center"):
             st.markdown(f"#### {case.question}")
             st.button(
@@ -143,6 +141,18 @@ def case_panel() -> None:
                 key="close_case",
                 type="tertiary",
             )
-        st.markdown("\n".join(f"{n}. {text}" for n, text in enumerate(case.press, 1)))
-        with st.expander("What to see, and why", type="compact", key="case_answer"):
-            st.markdown(case.see)
+        st.markdown("\n".join(f"{n}. {press.told}" for n, press in enumerate(case.press, 1)))
+        day = bundled_names()[case.preset]
+        if session.run.folder != day:
+            st.caption(f":orange[Another day is open; this is asked on {bundled(day).name}.]")
+        box = st.expander(
+            SEE, type="compact", key=f"case_answer_{CASES.index(case)}", on_change="rerun"
+        )
+        if box.open:
+            with box:
+                told_later("case_told", case, "seen", lambda: seen(case))
+                st.caption(SEEN_HELP)
+
+
+SEE = "What to see, and why"
+SEEN_HELP = "Worked out from this day with its own seed, everything pressed as told."

@@ -150,8 +150,7 @@ def _fig3(session: Session) -> None:
     st.markdown(
         f"Of {counted(found.over, 'vehicle')} whose time is up {found.full} got all they were "
         f"promised. {found.uneven} were charged with changing power, {found.paused} with a pause. "
-        "Fewer pauses than the paper's are no fault: of equally good plans evdash takes the "
-        "earliest."
+        "Of plans equally good to within a cent evdash takes the one whose energy comes earliest."
     )
 
 
