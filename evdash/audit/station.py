@@ -76,7 +76,7 @@ def limit_findings(run: RunRecord, breaches: Breaches, step_kw: float) -> Iterat
     within = np.where(limited, headroom, 0.0)
     beyond = np.where(limited, headroom * MORE + step_kw, 0.0)
     too_high = {b.interval for b in breaches(within * (1 - 1e-9)) if b.by_station}
-    reached = {(b.interval, b.element) for b in breaches(beyond) if _is_worsened(b)}
+    reached = {(b.interval, b.limit) for b in breaches(beyond) if _is_worsened(b)}
     for t in np.flatnonzero(limited):
         if int(t) in too_high:
             yield f"interval {t}: a limit is exceeded before the headroom of {headroom[t]:g} kW"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from evdash.domain.breach import Breach
+from evdash.domain.breach import EXPORT, Breach
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 
@@ -103,6 +103,7 @@ class FeederCheck:
     def breaches(self, station_kw: Floats) -> list[Breach]:
         """Every limit exceeded in any interval, by the station or by the feeder itself."""
         limits, depths = self.loaded.limits, self._depths(station_kw)
+        exports = len(limits) - len(self.loaded.rating_kva)
         in_pu = np.array([unit == "pu" for _, unit in limits])
         tolerance = np.where(in_pu, TOLERANCE_PU, TOLERANCE_KVA)
         return [
@@ -113,6 +114,7 @@ class FeederCheck:
                 base_depth=float(self._base_depths[i, t]),
                 unit=limits[i][1],
                 tolerance=float(tolerance[i]),
+                is_export=bool(i >= exports),
             )
             for i, t in np.argwhere(depths > tolerance[:, None])
         ]
@@ -134,8 +136,8 @@ class FeederCheck:
         return np.asarray(np.maximum(0.0, np.concatenate(sides)))
 
     def _own_depths(self) -> Floats:
-        """The same without the station. Reactive power alone fills both sides of a rating: the
-        other is not exceeded before active power flows there."""
+        """The same without the station. Reactive power alone counts on both sides of a rating: it
+        fills the other already when active power turns."""
         depths, loaded = self._depths(np.zeros(self.scenario.intervals)), self.loaded
         by_reactive = np.abs(loaded.reactive_kvar) - loaded.rating_kva
         voltages = np.zeros((len(depths) - 2 * len(by_reactive), self.scenario.intervals))
@@ -187,7 +189,7 @@ class _Loaded:
             limits=[(f"voltage_min:{node}", "pu") for node in nodes]
             + [(f"voltage_max:{node}", "pu") for node in nodes]
             + [(r.element, "kVA") for r in rated]
-            + [(f"{r.element}:export", "kVA") for r in rated],
+            + [(r.element + EXPORT, "kVA") for r in rated],
             voltage_sq_pu=squared(base),
             voltage_sq_per_kw=(squared(unit) - squared(base))[:, :1] / UNIT_KW,
             active_kw=active(base),

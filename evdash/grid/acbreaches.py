@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from evdash.domain.breach import Breach
+from evdash.domain.breach import EXPORT, Breach
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 from evdash.grid.acflow import AcResult
-from evdash.grid.sides import EXPORT, Power, by_side, held_by_side
+from evdash.grid.sides import Power, by_side
 
 TOLERANCE_PU = 1e-6
 TOLERANCE_KVA = 1e-3
@@ -57,20 +57,21 @@ def _over_rating(
     """Both sides of a rating; `powers` executed and without the station, (intervals, ends)."""
     if rating_kva is None:
         return []
-    names = element, element + EXPORT
     found: list[Breach] = []
-    for name, kva, held_kva in zip(names, by_side(powers[0]), held_by_side(powers[1]), strict=True):
-        over = [each.max(axis=1) - rating_kva for each in (kva, held_kva)]
-        found += _beyond(name, over, "kVA", TOLERANCE_KVA)
+    for is_export, side, base in zip((False, True), *map(by_side, powers), strict=True):
+        over = [side.kva - rating_kva, side.held_kva(base.kva) - rating_kva]
+        name = element + EXPORT if is_export else element
+        found += _beyond(name, over, "kVA", TOLERANCE_KVA, is_export)
     return found
 
 
-def _beyond(element: str, depths: list[Floats], unit: str, tolerance: float) -> list[Breach]:
+def _beyond(
+    element: str, depths: list[Floats], unit: str, tolerance: float, is_export: bool = False
+) -> list[Breach]:
     depth, base_depth = (np.maximum(0.0, values) for values in depths)
+    # without an AC solution of the base case the station cannot be cleared
+    base_depth = np.nan_to_num(base_depth)
     return [
-        # without an AC solution of the base case the station cannot be cleared
-        Breach(
-            int(t), element, float(depth[t]), float(np.nan_to_num(base_depth[t])), unit, tolerance
-        )
+        Breach(int(t), element, float(depth[t]), float(base_depth[t]), unit, tolerance, is_export)
         for t in np.flatnonzero(depth > tolerance)
     ]

@@ -5,17 +5,19 @@ limit, no solution counting as a limit. It is searched upward from zero, so that
 the first infeasible power is ever taken for allowed.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from evdash.domain.breach import Breach
+from evdash.domain.breach import EXPORT, Breach
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.scenario import Scenario
-from evdash.grid.acbatch import AcBatch, Flows
+from evdash.grid.acbatch import AcBatch
 from evdash.grid.lindistflow import base_injections
 from evdash.grid.radial import radial_feeder
 from evdash.grid.reduction import limit_rows
-from evdash.grid.sides import EXPORT, Power, by_side, held_by_side
+from evdash.grid.sides import Side, by_side
 
 POINTS = 12
 """Powers tried at once between the largest known to be allowed and the smallest known not to."""
@@ -38,74 +40,73 @@ class AcFeeder:
         self.batch = AcBatch(scenario, self.feeder)
         self.injections = base_injections(scenario, self.feeder)
         self.station = self.feeder.node_index(scenario.station.node)
+        self.rated = np.flatnonzero(np.isfinite(self.feeder.line_rating_kva))
+        own_kva = next(n.rating_kva for n in scenario.nodes if n.node == scenario.station.node)
+        self.node_is_rated = own_kva is not None
+        self.rating_kva = self.feeder.line_rating_kva[self.rated]
+        if own_kva is not None:
+            self.rating_kva = np.append(self.rating_kva, own_kva)
         self.elements = self._element_names()
-        self.rating_kva = np.append(self.feeder.line_rating_kva, self._own_rating_kva())
         every = np.arange(scenario.intervals)
-        self.allowed = np.maximum(0.0, self._without_station(every))
+        self.base = self._solve(every, np.zeros(scenario.intervals))
 
     def _element_names(self) -> tuple[str, ...]:
-        nodes = self.feeder.nodes
-        ratings = [f"line:{line}" for line in self.feeder.lines]
-        ratings.append(f"node:{self.scenario.station.node}")
+        """Lower and upper voltages, imports and exports of what is rated, the power flow."""
+        nodes, station = self.feeder.nodes, self.scenario.station.node
+        rated = [f"line:{self.feeder.lines[row]}" for row in self.rated]
+        rated += [f"node:{station}"] if self.node_is_rated else []
         return (
             *(f"voltage_min:{node}" for node in nodes),
             *(f"voltage_max:{node}" for node in nodes),
-            *(f"{rated}{side}" for side in ("", EXPORT) for rated in ratings),
-            f"power_flow:{self.scenario.station.node}",
+            *rated,
+            *(element + EXPORT for element in rated),
+            f"power_flow:{station}",
         )
 
-    def _own_rating_kva(self) -> float:
-        station = self.scenario.station.node
-        own = next(n.rating_kva for n in self.scenario.nodes if n.node == station)
-        return np.inf if own is None else own
+    def excess(self, intervals: NDArray[np.int64], station_kw: Floats) -> tuple[Floats, Floats]:
+        """How far each side of each limit is exceeded, and how far by the feeder itself.
 
-    def excess(self, intervals: NDArray[np.int64], station_kw: Floats) -> Floats:
-        """How far each side of each limit is exceeded, negative where kept, (flows, elements).
-
-        Voltages in pu, ratings in kVA, -inf on the side on which nothing flows; without a
-        solution the last column is 1 and the others say nothing (-inf).
+        Both (flows, elements), voltages in pu, ratings in kVA; the first is negative where the
+        limit is kept, -inf on the side on which nothing flows, the second never negative. Without
+        a solution the last column is 1 and the others say nothing (-inf).
         """
-        flows, node_power = self._solve(intervals, station_kw)
-        return self._excess(flows, by_side(flows.line_power), by_side(node_power))
+        now, base = self._solve(intervals, station_kw), self.base
+        rated = [side.kva - self.rating_kva for side in now.sides]
+        own = [
+            side.held_kva(of_base.kva[intervals]) - self.rating_kva
+            for side, of_base in zip(now.sides, base.sides, strict=True)
+        ]
+        solved = now.solved[:, None]
+        found = np.where(solved, np.hstack([now.voltage_excess_pu, *rated]), -np.inf)
+        held = np.hstack([base.voltage_excess_pu[intervals], *own])
+        unsolved = ~base.solved[intervals, None]
+        return (
+            np.hstack([found, np.where(solved, -np.inf, 1.0)]),
+            np.hstack([np.where(held > 0, held, 0.0), unsolved.astype(float)]),
+        )
 
-    def _without_station(self, intervals: NDArray[np.int64]) -> Floats:
-        """The same of what flows without the station, reactive power counted on both sides."""
-        flows, node_power = self._solve(intervals, np.zeros(len(intervals)))
-        return self._excess(flows, held_by_side(flows.line_power), held_by_side(node_power))
-
-    def _solve(self, intervals: NDArray[np.int64], station_kw: Floats) -> tuple[Flows, Power]:
-        """Power flows, and the net load at the station's node (flows,)."""
+    def _solve(self, intervals: NDArray[np.int64], station_kw: Floats) -> "_Solved":
         active = self.injections.active_kw[intervals].copy()
         active[:, self.station] -= station_kw
         reactive = self.injections.reactive_kvar[intervals]
-        own = -(active[:, self.station] + 1j * reactive[:, self.station])
-        return self.batch.solve(active, reactive), own
+        flows, limits = self.batch.solve(active, reactive), self.scenario.feeder
+        power = flows.line_power[:, self.rated]
+        if self.node_is_rated:
+            own = -(active[:, self.station] + 1j * reactive[:, self.station])
+            both_ends = np.repeat(own[:, None, None], 2, axis=2)
+            power = np.concatenate([power, both_ends], axis=1)
+        low = limits.voltage_min_pu - flows.voltage_pu
+        high = flows.voltage_pu - limits.voltage_max_pu
+        return _Solved(flows.solved, np.hstack([low, high]), by_side(power))
 
-    def _excess(
-        self, flows: Flows, line_kva: tuple[Floats, Floats], node_kva: tuple[Floats, Floats]
-    ) -> Floats:
-        limits = self.scenario.feeder
-        rated = [
-            np.column_stack([line.max(axis=2), node]) - self.rating_kva
-            for line, node in zip(line_kva, node_kva, strict=True)
-        ]
-        columns = (
-            limits.voltage_min_pu - flows.voltage_pu,
-            flows.voltage_pu - limits.voltage_max_pu,
-            *rated,
-        )
-        solved = flows.solved[:, None]
-        told = np.where(solved, np.hstack(columns), -np.inf)
-        return np.hstack([told, np.where(solved, -np.inf, 1.0)])
-
-    def worsened(self, intervals: NDArray[np.int64], excess: Floats) -> NDArray[np.bool_]:
-        """Which sides of limits are exceeded by more than without the station, (flows, elements).
+    def worsened(self, excess: Floats, own: Floats) -> NDArray[np.bool_]:
+        """Which sides of limits are exceeded by more than the feeder itself does.
 
         A flow without a solution is never allowed, even where the base case has none either.
         """
-        allowed = self.allowed[intervals]
-        allowed[:, -1] = 0.0
-        return np.asarray(excess > allowed + self._margins())
+        found = excess > own + self._margins()
+        found[:, -1] = excess[:, -1] > 0
+        return np.asarray(found)
 
     def _margins(self) -> Floats:
         voltages = 2 * len(self.feeder.nodes)
@@ -113,28 +114,46 @@ class AcFeeder:
 
     def breaches(self, station_kw: Floats) -> list[Breach]:
         """The certificate: every limit exceeded with the station drawing (intervals,) kW."""
-        every = np.arange(self.scenario.intervals)
-        excess = self.excess(every, station_kw)
+        excess, own = self.excess(np.arange(self.scenario.intervals), station_kw)
         margins = 10 * self._margins()
-        before = self.allowed.copy()
         # where there is no solution without the station, it may draw nothing on top of that
-        before[station_kw > 0, -1] = 0.0
+        own[station_kw > 0, -1] = 0.0
         return [
             Breach(
                 interval=int(t),
                 element=self.elements[i],
                 depth=float(excess[t, i]),
-                base_depth=float(before[t, i]),
+                base_depth=float(own[t, i]),
                 unit=self._unit(int(i)),
                 tolerance=float(margins[i]),
+                is_export=self._is_export(int(i)),
             )
             for t, i in zip(*np.nonzero(excess > margins), strict=True)
         ]
+
+    def limit(self, element: int) -> str:
+        """What an element is called whatever the side."""
+        name = self.elements[element]
+        return name.removesuffix(EXPORT) if self._is_export(element) else name
+
+    def _is_export(self, element: int) -> bool:
+        first = 2 * len(self.feeder.nodes) + len(self.rating_kva)
+        return first <= element < len(self.elements) - 1
 
     def _unit(self, element: int) -> str:
         if element == len(self.elements) - 1:
             return "solution missing"
         return "pu" if element < 2 * len(self.feeder.nodes) else "kVA"
+
+
+@dataclass(frozen=True, slots=True)
+class _Solved:
+    """Flows held against limits: solved (flows,); voltage_excess_pu (flows, 2·nodes), lower limits
+    first; both sides of what is rated, (flows, ratings)."""
+
+    solved: NDArray[np.bool_]
+    voltage_excess_pu: Floats
+    sides: tuple[Side, Side]
 
 
 def ac_limit_rows(scenario: Scenario) -> LimitRows:
@@ -180,7 +199,7 @@ def ac_headroom(feeder: AcFeeder) -> tuple[Floats, tuple[str, ...]]:
         open_now = open_now[~done]
     collapses = culprit == len(feeder.elements) - 1
     allowed_kw = np.where(collapses, (1 - SHORT_OF_COLLAPSE) * low, low)
-    return allowed_kw, tuple(feeder.elements[i] for i in culprit)
+    return allowed_kw, tuple(feeder.limit(int(i)) for i in culprit)
 
 
 def _fractions() -> Floats:
@@ -191,8 +210,7 @@ def _try(
     feeder: AcFeeder, intervals: NDArray[np.int64], tried: Floats
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Excess and worsened limits at each power tried, (intervals, POINTS, elements)."""
-    repeated = np.repeat(intervals, POINTS)
-    excess = feeder.excess(repeated, tried.ravel())
-    bad = feeder.worsened(repeated, excess)
+    excess, own = feeder.excess(np.repeat(intervals, POINTS), tried.ravel())
+    bad = feeder.worsened(excess, own)
     shape = (len(intervals), POINTS, len(feeder.elements))
     return excess.reshape(shape), bad.reshape(shape)

@@ -4,6 +4,8 @@ Each counts by itself (decision 5 of `docs/equations.md`). A rating exceeded by 
 flows back, which charging relieves, allows nothing on the other side.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,26 +14,38 @@ from evdash.grid.radial import RadialFeeder
 
 Power = NDArray[np.complex128]
 """kW + j kvar, counted away from the source."""
-EXPORT = ":export"
-"""What an element's name ends with where power flows back through it."""
 
 
-def by_side(power: Power) -> tuple[Floats, Floats]:
-    """kVA on the side on which active power flows, import and export; -inf on the other."""
-    kva, away = np.abs(power), power.real >= 0
-    return np.where(away, kva, -np.inf), np.where(away, -np.inf, kva)
+@dataclass(frozen=True, slots=True)
+class Side:
+    """What flows on one side of some ratings: kVA, and how much of it is reactive alone, kvar.
 
-
-def held_by_side(power: Power) -> tuple[Floats, Floats]:
-    """kVA that each side has by what flows already, import and export.
-
-    Reactive power alone counts on both: beyond it the other side is not exceeded before active
-    power flows there.
+    Of both ends the larger. -inf where no active power flows that way, NaN where nothing is known.
     """
-    active, reactive = power.real, power.imag
-    return (
-        np.hypot(np.maximum(active, 0.0), reactive),
-        np.hypot(np.maximum(-active, 0.0), reactive),
+
+    kva: Floats
+    reactive_kvar: Floats
+
+    def held_kva(self, base_kva: Floats) -> Floats:
+        """What of `kva` is not the station's doing: what this side has without it, `base_kva`.
+
+        A side that is empty without the station has its reactive power alone: that fills it
+        already when active power turns, and a rating below it was exceeded on the other side.
+        """
+        return np.where(np.isneginf(base_kva), self.reactive_kvar, base_kva)
+
+
+def by_side(power: Power) -> tuple[Side, Side]:
+    """Import and export of ratings whose ends carry `power` (…, ends)."""
+    away = power.real >= 0
+    return _side(power, away), _side(power, ~away)
+
+
+def _side(power: Power, there: NDArray[np.bool_]) -> Side:
+    elsewhere = np.where(there, 0.0, -np.inf)
+    return Side(
+        kva=(np.abs(power) + elsewhere).max(axis=-1),
+        reactive_kvar=(np.abs(power.imag) + elsewhere).max(axis=-1),
     )
 
 
