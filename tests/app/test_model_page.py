@@ -12,6 +12,7 @@ from evdash.ui import run as runs
 from evdash.ui.glossary import GLOSSARY
 from evdash.ui.model import study as studies
 from evdash.ui.model.cards import GROUPS
+from evdash.ui.model.paper import price_told
 from evdash.ui.model.study import KEY as STUDY
 from evdash.ui.model.tabs import TABS
 from evdash.ui.session import KEY, Session
@@ -137,3 +138,11 @@ def test_the_glossary_finds_words() -> None:
     assert "**Seed**" not in said(at)
     at.text_input(key="glossary_search").set_value("*zzz*").run()
     assert "No word here" in said(at)
+
+
+@pytest.mark.parametrize(
+    ("paid", "mean", "side"),
+    [(0.02, 0.03, "below"), (0.03, 0.02, "above"), (0.1, 0.1 + 1e-12, "the same as")],
+)
+def test_a_price_is_told_as_it_lies_beside_the_mean(paid: float, mean: float, side: str) -> None:
+    assert f"on average, {side} the mean price" in price_told(paid, mean)

@@ -166,12 +166,8 @@ def _fig4(session: Session) -> None:
     if paid is None:
         st.markdown(NOT_YET)
         return
-    side = "below" if paid < mean else "above"
     at_peak = station_share_at_peak(session.run.trace)
-    said = (
-        f"A kWh for charging cost &#36;{paid:.4f} on average, {side} the mean price of the "
-        f"intervals so far, &#36;{mean:.4f}. "
-    )
+    said = f"{price_told(paid, mean)} "
     if at_peak is not None:
         said += (
             "While the feeder's load was above 90 % of its highest, the station drew "
@@ -181,4 +177,15 @@ def _fig4(session: Session) -> None:
         said
         + " Within what was promised only: a vehicle that comes in the evening and wants to be "
         "back soon leaves little to shift."
+    )
+
+
+def price_told(paid: float, mean: float) -> str:
+    """What a kWh cost on average beside the plain mean of prices, both $/kWh."""
+    side = "below" if paid < mean else "above"
+    if f"{paid:.4f}" == f"{mean:.4f}":
+        side = "the same as"
+    return (
+        f"A kWh for charging cost &#36;{paid:.4f} on average, {side} the mean price of the "
+        f"intervals so far, &#36;{mean:.4f}."
     )
