@@ -43,13 +43,15 @@ class Server:
 
 
 @contextmanager
-def serving(store: Path, *options: str, log: int = subprocess.DEVNULL) -> Iterator[Server]:
+def serving(
+    store: Path, *options: str, log: int = subprocess.DEVNULL, app: Path = ROOT / "app.py"
+) -> Iterator[Server]:
     """A fresh server that keeps runs in `store`; ended afterwards."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     address = f"http://127.0.0.1:{port}"
-    command = [sys.executable, "-m", "streamlit", "run", str(ROOT / "app.py")]
+    command = [sys.executable, "-m", "streamlit", "run", str(app)]
     flags = ["--server.headless=true", f"--server.port={port}", "--server.address=127.0.0.1"]
     process = subprocess.Popen(
         [*command, *flags, *options],
