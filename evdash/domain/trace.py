@@ -9,7 +9,7 @@ from evdash.domain.events import Event
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.plan import Plan
 from evdash.domain.scenario import Arrival, Scenario
-from evdash.domain.vehicles import Contract, Request
+from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Contract, Request
 
 Network = Literal["lindistflow", "ac"]
 """The model of the feeder whose limits are kept."""
@@ -78,12 +78,17 @@ class Revision:
     @property
     def short_kwh(self) -> float:
         """What more of the promise cannot be kept, kWh; negative where something is made good."""
-        return self.after.short_kwh - self.before.short_kwh
+        return _noticeable(self.after.short_kwh - self.before.short_kwh)
 
     @property
     def promised_kwh(self) -> float:
         """By how much the promise itself changed at its driver's wish, kWh: more, or given up."""
-        return self.after.promised_kwh - self.before.promised_kwh
+        return _noticeable(self.after.promised_kwh - self.before.promised_kwh)
+
+
+def _noticeable(energy_kwh: float) -> float:
+    """Energy, with what floating point leaves over taken for nothing: it has no cause."""
+    return energy_kwh if abs(energy_kwh) > ENERGY_TOLERANCE_KWH else 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -99,6 +99,8 @@ def plan_of(
     bound = min(solution.bound, reached) if solution.bound <= reached + OPTIMALITY_USD else -np.inf
     power_kw = choice(problem, admitted, power_kw, bound)
     objective = problem.objective(admitted, power_kw)
+    if objective < bound - ROUNDING_USD:  # the plan chosen undercuts it, if by no more than a cent
+        bound = objective
     under_contract = np.flatnonzero(admitted)
     return Plan(
         now=snapshot.now,
