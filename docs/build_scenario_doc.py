@@ -92,7 +92,8 @@ RUN_INTRODUCTION = """\
 `python -m evdash run --out DIR` writes these tables in full precision, `summary.json` with the
 totals, verdicts, versions, seed, policy, network model and the scenario's SHA-256, and
 `scenario/`, the complete scenario with the arrivals that were drawn, to be run and audited
-anywhere. `python -m evdash audit DIR` works it all out again by other means.
+anywhere. `python -m evdash audit DIR` works it out again by other means, and names what it cannot:
+[reliability.md](reliability.md) has the table.
 
 DIR, through links if it is one, must be new, empty, or an earlier run's and then `--force` be
 given: those of its files that a run writes change for the new ones all at once, and what else

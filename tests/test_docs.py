@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from evdash.audit.coverage import coverage_table
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -22,6 +24,11 @@ def test_scenario_page_is_in_step_with_the_declarations():
         cwd=ROOT,
     ).stdout
     assert printed == written
+
+
+def test_the_table_of_the_audit_is_in_step_with_its_declaration():
+    written = (ROOT / "docs" / "reliability.md").read_text(encoding="utf-8")
+    assert "\n".join(["", *coverage_table(), ""]) in written
 
 
 @pytest.mark.parametrize("page", ["README.md", *sorted(p.name for p in ROOT.glob("docs/*.md"))])

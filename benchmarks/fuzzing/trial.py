@@ -115,7 +115,9 @@ def _problems(trace: Trace) -> Iterator[str]:
     verdict = judge(trace, linear_breaches(trace))
     if not happened and verdict.broken_by_station("lindistflow"):
         yield f"a limit worsened: {verdict.broken_by_station('lindistflow')[0]}"
-    files = run_files(trace, verdict, RunLabel("p1", "lindistflow", 1, 0.0))
+    files = run_files(
+        trace, verdict, RunLabel("p1", "lindistflow", trace.scenario.arrivals.seed, 0.0)
+    )
     with tempfile.TemporaryDirectory() as place:
         with output_folder(Path(place) / "run", "run", is_run, force=True) as claim:
             write_run(claim, files)

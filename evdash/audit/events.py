@@ -14,13 +14,25 @@ def known_by(scenario: Scenario, interval: int) -> list[Event]:
 
 def as_it_turned_out(scenario: Scenario) -> Scenario:
     """The scenario with the loads and prices each interval really had."""
-    rows = tuple(_turned_out(scenario, row) for row in scenario.profile)
+    rows = tuple(_turned_out(row, known_by(scenario, row.interval)) for row in scenario.profile)
     return scenario.replacing(profile=rows)
 
 
-def _turned_out(scenario: Scenario, row: ProfileRow) -> ProfileRow:
+def as_known_at(scenario: Scenario, interval: int) -> Scenario:
+    """The scenario as it was expected at the start of an interval, in which chargers, ratings,
+    loads and prices are those of the events known by then."""
+    known = known_by(scenario, interval)
+    rows = tuple(
+        _turned_out(row, [event for event in known if event.interval <= row.interval])
+        for row in scenario.profile
+    )
+    station = scenario.station.model_copy(update={"chargers": chargers_at(scenario, interval)})
+    return _rated(scenario, interval).replacing(profile=rows, station=station)
+
+
+def _turned_out(row: ProfileRow, known: list[Event]) -> ProfileRow:
     price, load = row.price_per_kwh, row.load_pu
-    for event in known_by(scenario, row.interval):
+    for event in known:
         too_early = event.from_interval is not None and row.interval < event.from_interval
         too_late = event.until_interval is not None and row.interval >= event.until_interval
         if too_early or too_late or event.value is None:

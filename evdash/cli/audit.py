@@ -2,7 +2,11 @@
 
 import argparse
 
-from evdash.audit.audit import audit_run
+from evdash.audit.audit import Audit, audit_run
+from evdash.audit.coverage import MEANING, told_of
+from evdash.audit.objective import solves_p1
+from evdash.audit.record import RunRecord
+from evdash.cli.optimum import Proofs, prove
 from evdash.cli.terminal import Terminal
 
 SHOWN = 40
@@ -12,12 +16,36 @@ BROKEN = 3
 def audit(options: argparse.Namespace) -> int:
     """Audit a run folder; 3 if anything in it is broken or untrue, 0 otherwise."""
     result = audit_run(options.directory)
+    proofs = _proofs(result.run) if options.optimum else None
+    findings = (*result.findings, *(proofs.findings if proofs else ()))
     terminal = Terminal()
-    run = result.run
-    for finding in result.findings[:SHOWN]:
+    for finding in findings[:SHOWN]:
         terminal.say("  ", ("✗", "red"), f" {finding}")
-    if len(result.findings) > SHOWN:
-        terminal.say(f"    and {len(result.findings) - SHOWN} more")
+    _say_more(terminal, len(findings))
+    _say_feeder(terminal, result)
+    if findings:
+        terminal.say((f"{len(findings)} findings", "bold red"))
+    else:
+        _say_sound(terminal, result.run)
+    if options.optimum:
+        _say_proofs(terminal, result.run, proofs)
+    for standing in ("held", "on trust"):
+        terminal.say(f"{MEANING[standing]}: {told_of(result.run.files, standing)}")
+    return BROKEN if findings else 0
+
+
+def _proofs(run: RunRecord) -> Proofs | None:
+    """P1's optima; None where the run's policy does not solve P1 or its intervals are not whole."""
+    whole = [row.interval for row in run.intervals] == list(range(run.scenario.intervals))
+    return prove(run) if solves_p1(run) and whole else None
+
+
+def _say_more(terminal: Terminal, count: int) -> None:
+    if count > SHOWN:
+        terminal.say(f"    and {count - SHOWN} more")
+
+
+def _say_feeder(terminal: Terminal, result: Audit) -> None:
     by_station = sum(breach.by_station for breach in result.ac)
     own = len(result.ac) - by_station
     if by_station:
@@ -30,14 +58,26 @@ def audit(options: argparse.Namespace) -> int:
         terminal.say((told, "bold yellow"))
     if result.flow.diverged:
         terminal.say((f"AC: no solution in {len(result.flow.diverged)} intervals", "bold red"))
-    if result.findings:
-        terminal.say((f"{len(result.findings)} findings", "bold red"))
-        return BROKEN
+
+
+def _say_sound(terminal: Terminal, run: RunRecord) -> None:
     served = sum(row.status != "refused" for row in run.vehicles)
     terminal.say(
         ("ok", "bold green"),
         f" {run.scenario.name}: {served} contracts kept, every limit "
-        f"of the feeder and the chargers held, {len(run.intervals)} intervals, "
+        f"of the feeder and the chargers held; {len(run.intervals)} intervals, "
         f"{len(run.voltages)} voltages and all totals worked out again",
     )
-    return 0
+
+
+def _say_proofs(terminal: Terminal, run: RunRecord, proofs: Proofs | None) -> None:
+    if proofs is None:
+        terminal.say("--optimum: nothing to prove, as the policy does not solve P1")
+        return
+    terminal.say(
+        f"P1's optimum proven anew, to the cent, in {proofs.proven} of {len(run.intervals)} "
+        "intervals; objective, bound and status held against it"
+    )
+    for told in proofs.open[:SHOWN]:
+        terminal.say(f"  not proven: {told}")
+    _say_more(terminal, len(proofs.open))

@@ -158,4 +158,10 @@ def _add_audit(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         epilog=STATUSES,
     )
     command.add_argument("directory", type=Path, metavar="DIR", help="folder of an earlier run")
+    command.add_argument(
+        "--optimum",
+        action="store_true",
+        help="also prove P1's optimum anew at every interval, by the plain formulation, and hold "
+        "objective, bound and status against it; seconds to minutes",
+    )
     command.set_defaults(command=audit)

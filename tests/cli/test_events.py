@@ -135,7 +135,7 @@ def test_events_at_both_ends_and_many_at_once_are_audited_and_run_again(
     [
         (("ledger.csv", scaled("promised_kwh", 1.1)), "promised_kwh is"),
         (("ledger.csv", scaled("delivered_kwh", 1.1, 1)), "delivered_kwh is"),
-        (("ledger.csv", scaled("revised_kwh", 0.9)), "no event explains a promise of"),
+        (("ledger.csv", scaled("revised_kwh", 0.9)), "do not make a promise of"),
         (("ledger.csv", replaced("short_kwh", "0.0", "short")), "short_kwh is 0"),
         (("ledger.csv", replaced("status", "kept", "short")), "vehicles.csv says broken"),
         (("ledger.csv", replaced("since_interval", "3", "short")), "short without an event"),
