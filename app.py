@@ -37,12 +37,12 @@ if __name__ == "__main__":
     widths.listen(current())
     entry.say_who_is_signed_in()
 else:
-    from evdash.ui import deep_links, own_pages, unbroken
+    from evdash.ui import deep_links, gate, own_pages, unbroken
 
     unbroken.keep_runs_whole()
     app = st.App(
         __file__,
         routes=deep_links.routes(Path(__file__).with_name("pages")),
-        middleware=own_pages.MIDDLEWARE,
+        middleware=[*own_pages.MIDDLEWARE, *gate.MIDDLEWARE],
         lifespan=own_pages.say_where,
     )

@@ -25,6 +25,7 @@ class Visitor:
     """One tab. `received` counts bytes; `texts` is everything the last whole run showed."""
 
     address: str
+    headers: dict[str, str] = field(default_factory=dict)
     socket: Any = None
     session: str = ""
     query: str = ""
@@ -47,6 +48,7 @@ class Visitor:
         self.socket = await websockets.connect(
             where,
             subprotocols=[websockets.Subprotocol(name) for name in protocols],
+            additional_headers=self.headers,
             origin=websockets.Origin(self.address),
             max_size=None,
             open_timeout=PATIENCE_SECONDS,

@@ -46,8 +46,13 @@ CREATE TABLE IF NOT EXISTS doomed (
     link TEXT PRIMARY KEY REFERENCES runs (link) ON DELETE CASCADE,
     since REAL NOT NULL
 ) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS begun_by (
+    link TEXT PRIMARY KEY REFERENCES runs (link) ON DELETE CASCADE,
+    visitor TEXT NOT NULL
+) WITHOUT ROWID;
 """
-"""What versions before did not know and do not mind: runs too old, and since when that is known."""
+"""What versions before did not know and do not mind: runs too old, and since when that is known;
+who began a run."""
 Identity = tuple[tuple[int, int] | None, ...]
 """Which files these are, whatever they are called: device and number of the file and its -wal."""
 
@@ -159,14 +164,15 @@ class Database:
                 connection.execute(statement)
             connection.execute(f"PRAGMA user_version = {FORMAT}")
         if found in (0, FORMAT):
-            connection.execute(ADDED)
+            for statement in ADDED.split(";"):
+                connection.execute(statement)
         connection.execute("COMMIT")
         if found not in (0, FORMAT):
             raise StoreUnavailable(
                 f"{self.path}: its format is {found}, this version of evdash keeps {FORMAT}; "
                 "move the file away or name another folder in EVDASH_STORE"
             )
-        if _tables(connection) != OWN_TABLES:
+        if not OWN_TABLES.items() <= _tables(connection).items():  # a later version may add some
             raise _OtherTables("its tables are not those that evdash makes")
 
 

@@ -13,11 +13,19 @@ from evdash.store.parts import DamagedPart, Kept, Known, Putting, Taking
 LINK_BYTES = 16
 DAY_SECONDS = 86_400.0
 MOST_DAYS, MOST_RUNS, MOST_BYTES = 90.0, 2_000, 500_000_000
-"""A run goes when nobody has changed it for so long, or the oldest to make room for others."""
+"""A run goes when nobody has changed it for so long, or to make room for others: first the oldest
+of whoever has most."""
 DOUBT_SECONDS = 3 * DAY_SECONDS
 """So long after it was first found too old a run still stays."""
 PRUNE_EVERY = 200
 OLDEST_SHARE = 10
+BYTES = (
+    "(SELECT sum(length(body)) FROM runs AS own JOIN uses ON uses.link = own.link JOIN parts "
+    "USING (name) WHERE own.link = runs.link OR own.pinned_by = runs.link)"
+)
+"""SQL for what a run and its pins take, shared parts included."""
+FAIR_SHARE = 10
+"""Who holds less than one such part of all bytes is not asked to make room for others' runs."""
 
 
 def new_link() -> str:
@@ -50,8 +58,12 @@ class Store:
         self.limits = limits or Limits()
         self._writes = 0
 
-    def write(self, link: str, version: int, kept: Kept, known: Known) -> tuple[str, Known]:
+    def write(
+        self, link: str, version: int, kept: Kept, known: Known, visitor: str | None = None
+    ) -> tuple[str, Known]:
         """Keep the next version of a run, whole; the link it is kept under, and its parts.
+
+        `visitor` is who has it if it is new; None where that cannot be told.
 
         That is another link where the run has been changed by somebody else since: what
         they did stays theirs, and this becomes a copy, pins and all.
@@ -67,6 +79,8 @@ class Store:
                 link, row = new_link(), None
             if row is None:
                 _insert(data, link, manifest)
+                if visitor is not None:
+                    data.execute("INSERT INTO begun_by VALUES (?, ?)", (link, visitor))
             data.execute(
                 "UPDATE runs SET version = ?, manifest = ?, touched = ? WHERE link = ?",
                 (version + 1, manifest, time.time(), link),
@@ -170,10 +184,10 @@ def _copy_pins(data: sqlite3.Connection, origin: str, link: str) -> None:
 def prune(data: sqlite3.Connection, limits: Limits) -> None:
     """Let go of runs that are too old or too many, then of parts that belong to none."""
     _drop_aged(data, time.time(), limits.days * DAY_SECONDS)
-    _drop_oldest(data, _count(data) - limits.runs)
+    _drop(data, _count(data) - limits.runs, "1", 0)
     _drop_unused(data)
     while (count := _count(data)) > 1 and _size_bytes(data) > limits.size_bytes:
-        _drop_oldest(data, -(-count // OLDEST_SHARE))
+        _drop(data, -(-count // OLDEST_SHARE), BYTES, limits.size_bytes // FAIR_SHARE)
         _drop_unused(data)
 
 
@@ -204,11 +218,20 @@ def _size_bytes(data: sqlite3.Connection) -> int:
     return int(data.execute(select).fetchone()[0])
 
 
-def _drop_oldest(data: sqlite3.Connection, number: int) -> None:
+def _drop(data: sqlite3.Connection, number: int, weight: str, fair: int) -> None:
+    """Let go of so many runs: those of whoever has most newer ones, and of these the oldest.
+
+    `weight` is what a run counts as. Newer ones of up to `fair` count alike, so that the oldest
+    goes, whosever it is. A run of nobody known is the only one of its owner.
+    """
     data.execute(
-        "DELETE FROM runs WHERE link IN (SELECT link FROM runs WHERE pinned_by IS NULL "
-        "ORDER BY touched LIMIT ?)",
-        (max(0, number),),
+        "WITH newer AS (SELECT runs.link, touched, coalesce(sum("  # noqa: S608 - no user's text
+        f"{weight}) OVER (PARTITION BY coalesce(visitor, runs.link) ORDER BY touched DESC, "
+        "runs.link ROWS BETWEEN UNBOUNDED PRECEDING AND 1 PRECEDING), 0) AS held"
+        " FROM runs LEFT JOIN begun_by USING (link) WHERE pinned_by IS NULL) "
+        "DELETE FROM runs WHERE link IN "
+        "(SELECT link FROM newer ORDER BY max(held, ?) DESC, touched LIMIT ?)",
+        (fair, max(0, number)),
     )
 
 

@@ -1,9 +1,9 @@
 """A study in a process of its own: it outlives the page, and the server, that asked for it.
 
 `python -m evdash.studies.background FOLDER QUEUE WORKERS` runs the study kept in FOLDER, one of
-all those sharing the file QUEUE at a time, the one asked for first going first. It makes way for
-everything else on the machine, says how far it is in FOLDER/stand.json, and stops where
-FOLDER/stop appears.
+all those sharing the file QUEUE at a time. It makes way for everything else on the machine, says
+how far it is in FOLDER/stand.json, stops where FOLDER/stop appears, and in the end begins the study
+that has waited longest (`evdash.studies.waiting`), which until then is a word in a file.
 """
 
 import _thread
@@ -12,6 +12,7 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from filelock import FileLock, Timeout
@@ -20,7 +21,7 @@ from evdash.errors import EvdashError
 from evdash.studies.crew import Crew, cores
 from evdash.studies.engine import Progress, run_study
 from evdash.studies.folder import StudyFolder
-from evdash.studies.stand import STAND, STOP, Stand, State, read_stand, write_stand
+from evdash.studies.stand import STOP, Stand, State, read_stand, write_stand
 
 ROOT = Path(__file__).parents[2]
 LOG = "log.txt"
@@ -36,8 +37,9 @@ def spare_cores() -> int:
 
 def launch(folder: StudyFolder, queue: Path, workers: int | None = None) -> int:
     """Start or resume the study kept in a folder, and leave it to itself; its process's id."""
-    stop(folder, False)
-    write_stand(folder, Stand("starting", time.time()))
+    known = read_stand(folder)
+    visitor = known.visitor if known else None
+    write_stand(folder, Stand("starting", time.time(), visitor=visitor))
     command = [sys.executable, "-m", "evdash.studies.background", str(folder.path.resolve())]
     with (folder.path / LOG).open("wb") as log:
         process = subprocess.Popen(  # noqa: S603 - our own module
@@ -60,24 +62,21 @@ def stop(folder: StudyFolder, stopped: bool = True) -> None:
 
 
 def main(folder: StudyFolder, queue: Path, workers: int) -> None:
-    """Wait for this study's turn and run it; what becomes of it stands in its folder."""
+    """Run a study whose turn it is; what becomes of it stands in its folder."""
     make_way()
     threading.Thread(target=_watch, args=(folder,), daemon=True).start()
-    known = read_stand(folder)
-    since = known.since if known else time.time()
-    last = Stand("waiting", since)
+    first = last = read_stand(folder) or Stand("starting", time.time())
     try:
         with folder.lock(patience_seconds=5.0):
-            write_stand(folder, last)
             try:
-                with _turn(folder, queue, since):
-                    last = _run(folder, since, workers)
+                with FileLock(queue):  # free at once, unless a process was slow to come up
+                    last = _run(folder, first, workers)
             except KeyboardInterrupt:
-                last = _ended(folder, "stopped", since)
+                last = _ended(folder, "stopped", first)
             except EvdashError as error:
-                last = _ended(folder, "broken", since, f"{error}")
+                last = _ended(folder, "broken", first, f"{error}")
             except Exception as error:
-                last = _ended(folder, "broken", since, f"{type(error).__name__}: {error}")
+                last = _ended(folder, "broken", first, f"{type(error).__name__}: {error}")
                 raise
             finally:
                 write_stand(folder, last)
@@ -88,7 +87,7 @@ def main(folder: StudyFolder, queue: Path, workers: int) -> None:
 def make_way() -> None:
     """Let everybody else on the machine go first."""
     if hasattr(os, "nice"):
-        os.nice(NICENESS)
+        os.nice(max(0, NICENESS - os.nice(0)))  # begun by another study it has made way already
 
 
 def _watch(folder: StudyFolder) -> None:
@@ -97,43 +96,7 @@ def _watch(folder: StudyFolder) -> None:
     _thread.interrupt_main()
 
 
-def _turn(folder: StudyFolder, queue: Path, since: float) -> FileLock:
-    """Wait until nobody is running and nobody else has waited longer."""
-    turn = FileLock(queue)
-    while True:
-        if not any(_is_ahead(other, since) for other in _others(folder, queue)):
-            try:
-                turn.acquire(timeout=0)
-            except Timeout:
-                pass
-            else:
-                return turn
-        time.sleep(LOOK_SECONDS)
-
-
-def _others(folder: StudyFolder, queue: Path) -> list[StudyFolder]:
-    found = (StudyFolder(path.parent) for path in queue.parent.rglob(STAND))
-    return [other for other in found if other.path != folder.path]
-
-
-def _is_ahead(other: StudyFolder, since: float) -> bool:
-    stand = read_stand(other)
-    return stand is not None and stand.state == "waiting" and stand.since < since
-
-
-def ahead_of(folder: StudyFolder, queue: Path) -> int:
-    """How many studies will be run before a waiting one, the running one among them."""
-    own = read_stand(folder)
-    stands = [read_stand(other) for other in _others(folder, queue)]
-    since = own.since if own else time.time()
-    return sum(
-        stand is not None
-        and (stand.state == "running" or (stand.state == "waiting" and stand.since < since))
-        for stand in stands
-    )
-
-
-def _run(folder: StudyFolder, since: float, workers: int) -> Stand:
+def _run(folder: StudyFolder, first: Stand, workers: int) -> Stand:
     runs = folder.read()
     said = 0.0
 
@@ -141,22 +104,29 @@ def _run(folder: StudyFolder, since: float, workers: int) -> Stand:
         nonlocal said
         if time.monotonic() - said >= SAY_SECONDS:
             said = time.monotonic()
-            write_stand(folder, _stand("running", since, now))
+            write_stand(folder, _stand("running", first, now))
 
     end = run_study(runs, folder.results, Crew(workers), told)
     folder.write_tables(folder.found(runs))
-    return _stand("done", since, end)
+    return _stand("done", first, end)
 
 
-def _stand(state: State, since: float, now: Progress) -> Stand:
-    return Stand(state, since, now.total, now.done, now.failed, now.seconds_left)
+def _stand(state: State, first: Stand, now: Progress) -> Stand:
+    return Stand(
+        state, first.since, now.total, now.done, now.failed, now.seconds_left, "", first.visitor
+    )
 
 
-def _ended(folder: StudyFolder, state: State, since: float, said: str = "") -> Stand:
+def _ended(folder: StudyFolder, state: State, first: Stand, said: str = "") -> Stand:
     """How the study stands where it ended early."""
-    last = read_stand(folder) or Stand(state, since)
-    return Stand(state, since, last.total, last.done, last.failed, None, said)
+    last = read_stand(folder) or first
+    return replace(last, state=state, seconds_left=None, said=said)
 
 
 if __name__ == "__main__":
-    main(StudyFolder(Path(sys.argv[1])), Path(sys.argv[2]), int(sys.argv[3]))
+    from evdash.studies.waiting import advance  # which launches, and so knows of this module
+
+    try:
+        main(StudyFolder(Path(sys.argv[1])), Path(sys.argv[2]), int(sys.argv[3]))
+    finally:
+        advance(Path(sys.argv[2]))

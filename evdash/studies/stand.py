@@ -3,7 +3,9 @@
 import json
 import os
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from pathlib import Path
 from typing import Literal
 
 from evdash.files.nested import read_json
@@ -18,8 +20,9 @@ LIVE: tuple[State, ...] = ("starting", "waiting", "running")
 
 @dataclass(frozen=True, slots=True)
 class Stand:
-    """A study's state. `since` is when it was asked for; `said` why it is broken; the rest as in
-    `engine.Progress`."""
+    """A study's state. `since` is when it was asked for, or its process begun; `said` why it is
+    broken; `visitor` who asked for it, where that can be told; the rest as in `engine.Progress`.
+    One that waits has no process."""
 
     state: State
     since: float
@@ -28,6 +31,7 @@ class Stand:
     failed: int = 0
     seconds_left: float | None = None
     said: str = ""
+    visitor: str | None = None
 
     @property
     def is_live(self) -> bool:
@@ -46,14 +50,22 @@ def write_stand(folder: StudyFolder, stand: Stand) -> None:
     os.replace(beside, folder.path / STAND)
 
 
+@lru_cache(maxsize=2048)
+def _read(path: Path, number: int, changed_ns: int) -> Stand:
+    """A file of this number and time, read once: who looks for a turn looks at all of them."""
+    return Stand(**read_json(path.read_text(encoding="utf-8")))
+
+
 def read_stand(folder: StudyFolder) -> Stand | None:
     """How far the study is; None where nobody has begun it. What says it is running while no
     process is at it was interrupted."""
+    path = folder.path / STAND
     try:
-        stand = Stand(**read_json((folder.path / STAND).read_text(encoding="utf-8")))
+        found = path.stat()
+        stand = _read(path, found.st_ino, found.st_mtime_ns)
     except (OSError, ValueError, TypeError):
         return None
     fresh = stand.state == "starting" and time.time() - stand.since < START_SECONDS
-    if stand.is_live and not fresh and not folder.is_running:
-        return Stand("interrupted", stand.since, stand.total, stand.done, stand.failed)
+    if stand.state in ("starting", "running") and not fresh and not folder.is_running:
+        return replace(stand, state="interrupted", seconds_left=None, said="")
     return stand

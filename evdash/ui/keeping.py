@@ -9,6 +9,7 @@ from evdash.store.parts import Kept
 from evdash.store.place import store_directory
 from evdash.store.runs import Store
 from evdash.ui.run import Run
+from evdash.ui.visitors import visitor
 from evdash.ui.words import plain
 
 LINK = "run"
@@ -35,13 +36,14 @@ class Keeper:
     """
 
     def __init__(self, journal: Journal | None = None, said: str = "") -> None:
+        self._visitor = visitor()
         self._journal = journal
         self.link = journal.link if journal else ""
         self.said = said
 
     def keep(self, run: Run) -> None:
         """Keep the run as it now is."""
-        journal = self._journal = self._journal or Journal(store())
+        journal = self._journal = self._journal or Journal(store(), visitor=self._visitor)
         before = journal.link
         try:
             journal.keep(kept_form(run))
@@ -57,7 +59,7 @@ class Keeper:
 def resume(link: str) -> tuple[Run | None, Keeper]:
     """The run of a link and its keeper, or none where it cannot be brought back."""
     try:
-        found = Journal.resume(store(), link)
+        found = Journal.resume(store(), link, visitor())
     except StoreUnavailable as error:
         return None, Keeper(said=f"This link's run could not be opened. {plain(f'{error}')}")
     if found is None:

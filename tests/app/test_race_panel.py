@@ -71,10 +71,14 @@ def test_what_was_kept_and_who_could_not_take_part_is_told() -> None:
 def test_a_race_can_be_stopped() -> None:
     at = choose(opened(), "oracle", "bid-price")
     press(at, "race_start")
-    process = racing(at)._process
+    place = racing(at)._place
+    assert place is not None
+    until = time.monotonic() + PATIENCE_SECONDS
+    while place.process is None and time.monotonic() < until:
+        time.sleep(0.01)
     press(at, "race_stop")
-    assert process is not None
-    assert process.poll() is not None
+    assert place.process is not None
+    assert place.process.poll() is not None
     assert not racing(at).is_running
     assert racing(at).finished is None
     assert at.button(key="race_start")

@@ -105,7 +105,7 @@ def test_start_keeps_the_study_and_begins_one_only(store, monkeypatch) -> None:
         begun.append(folder)
         return 0
 
-    monkeypatch.setattr("evdash.studies.shelf.launch", launch)
+    monkeypatch.setattr("evdash.studies.waiting.launch", launch)
     at = opened()
     at.button(key="start_study").click().run()
     assert not at.exception
@@ -157,7 +157,7 @@ def test_a_study_is_drawn_as_what_it_varies_asks_for(store, name) -> None:
 def test_an_interrupted_study_says_so_and_can_be_resumed(store, monkeypatch) -> None:
     folder = kept_study(store, "upgrade")
     write_stand(folder, Stand("running", 0.0, 10, 4, 0))
-    monkeypatch.setattr("evdash.studies.shelf.launch", lambda folder, queue: 0)
+    monkeypatch.setattr("evdash.studies.waiting.launch", lambda folder, queue: 0)
     at = opened(owner=OWNER)
     assert not at.button(key="resume_study").disabled
     stand = read_stand(folder)

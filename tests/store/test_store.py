@@ -251,6 +251,52 @@ def test_old_and_many_runs_are_pruned_the_oldest_first(tmp_path: Path, monkeypat
     assert Journal.resume(small, journals[3].link) is None
 
 
+@pytest.mark.parametrize("limit", ["runs", "size_bytes"])
+def test_runs_of_whoever_has_most_make_room(limit: str, tmp_path: Path, monkeypatch) -> None:
+    """Sixty new runs of one visitor push out that visitor's own, and nobody else's."""
+    monkeypatch.setattr(runs, "PRUNE_EVERY", 1)
+    begun = start_day(read_scenario(DEFAULT))
+
+    def run_of(store: Store, visitor: str | None, seed: int) -> str:
+        scenario = edit_scenario(begun.scenario, {"arrivals.seed": seed})
+        journal = Journal(store, visitor=visitor)
+        journal.keep(kept(start_day(scenario)))
+        store.pin(journal.link, kept(start_day(scenario)), "a pin")
+        return journal.link
+
+    store = Store(tmp_path)
+    others = [run_of(store, who, n) for n, who in enumerate(["b", "b", "c", None, None])]
+    with store.database.transaction() as data:
+        size = int(data.execute("SELECT sum(length(body)) FROM parts").fetchone()[0])
+    store.limits = Limits(**{limit: {"runs": 12, "size_bytes": 3 * size}[limit]})
+    many = [run_of(store, "a", 100 + n) for n in range(60)]
+
+    def there(links: list[str]) -> list[bool]:
+        return [Journal.resume(store, link) is not None for link in links]
+
+    assert all(there(others))
+    assert there(many)[-1]
+    left = there(many)
+    assert left == sorted(left)  # the oldest went first
+    assert 0 < sum(left) < 30
+    with store.database.transaction() as data:
+        told = data.execute("SELECT count(*) FROM begun_by").fetchone()[0]
+    assert told == 3 + sum(left)
+
+
+def test_a_file_of_before_is_read_and_one_of_later_is_let_be(tmp_path: Path) -> None:
+    journal = Journal(Store(tmp_path))
+    journal.keep(kept(start_day(read_scenario(DEFAULT))))
+    journal.store.database.close()
+    with sqlite3.connect(tmp_path / "runs.sqlite3") as data:
+        data.execute("DROP TABLE begun_by")
+        data.execute("CREATE TABLE later (link TEXT PRIMARY KEY)")
+    again = Journal(Store(tmp_path), visitor="a")
+    again.keep(kept(start_day(read_scenario(DEFAULT))))
+    assert Journal.resume(Store(tmp_path), journal.link) is not None
+    assert [path.name for path in tmp_path.glob("damaged-*")] == []
+
+
 def test_a_place_that_cannot_be_written_is_told_in_words(day: Trace, tmp_path: Path) -> None:
     occupied = tmp_path / "file"
     occupied.write_text("not a folder")

@@ -8,10 +8,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
+from evdash.domain.quotas import MOST_STUDIES_EACH, WAITING_STUDIES, QuotaReached
 from evdash.studies.background import NICENESS, launch
 from evdash.studies.folder import StudyFolder
 from evdash.studies.reading import read_study
-from evdash.studies.shelf import MOST_STUDIES, Shelf
+from evdash.studies.shelf import Shelf
 from evdash.studies.stand import Stand, read_stand, write_stand
 from tests.studies.small import STUDY, finished, write_study
 
@@ -108,14 +111,70 @@ def test_a_process_that_never_came_up_counts_as_lost(tmp_path) -> None:
     assert read_stand(StudyFolder(tmp_path / "none")) is None
 
 
+def at_once(folder: StudyFolder, queue: Path) -> int:
+    write_stand(folder, Stand("done", time.time(), visitor=asker(folder)))
+    return 0
+
+
+def asker(folder: StudyFolder) -> str | None:
+    known = read_stand(folder)
+    return known.visitor if known else None
+
+
 def test_the_oldest_studies_go(tmp_path, monkeypatch) -> None:
     runs = read_study(write_study(tmp_path, STUDY.format(count=1)))
-    monkeypatch.setattr("evdash.studies.shelf.launch", lambda folder, queue: 0)
+    monkeypatch.setattr("evdash.studies.waiting.launch", at_once)
     shelf = Shelf(tmp_path / "kept", "one")
-    for _ in range(MOST_STUDIES + 2):
+    for _ in range(MOST_STUDIES_EACH + 2):
         shelf.start(runs)
     numbers = [int(folder.path.name) for folder in shelf.folders()]
-    assert numbers == list(range(MOST_STUDIES + 2, 2, -1))
+    assert numbers == list(range(MOST_STUDIES_EACH + 2, 2, -1))
+
+
+def test_whoever_has_most_studies_makes_room(tmp_path, monkeypatch) -> None:
+    """Fifty owners' studies of one visitor push out that visitor's own, and nobody else's."""
+    runs = read_study(write_study(tmp_path, STUDY.format(count=1)))
+    monkeypatch.setattr("evdash.studies.waiting.launch", at_once)
+    monkeypatch.setattr("evdash.studies.shelf.MOST_STUDIES", 8)
+    root = tmp_path / "kept"
+    first = [Shelf(root, f"first-{n}").start(runs, "first") for n in range(3)]
+    unknown = Shelf(root, "unknown").start(runs)
+    many = [Shelf(root, f"many-{n}").start(runs, "many") for n in range(20)]
+    assert all(folder.path.exists() for folder in [*first, unknown, *many[-4:]])
+    assert not any(folder.path.exists() for folder in many[:-4])
+
+
+def test_what_waits_is_a_word_in_a_file_and_bounded(tmp_path, monkeypatch) -> None:
+    runs = read_study(write_study(tmp_path, STUDY.format(count=1)))
+    begun: list[StudyFolder] = []
+
+    def launch(folder: StudyFolder, queue: Path) -> int:
+        write_stand(folder, Stand("starting", time.time()))
+        begun.append(folder)
+        return 0
+
+    monkeypatch.setattr("evdash.studies.waiting.launch", launch)
+    root, each, total = tmp_path / "kept", WAITING_STUDIES.each, WAITING_STUDIES.total
+    shelves = [Shelf(root, f"{n}") for n in range(total + each + 3)]
+    first = shelves.pop().start(runs, "one")
+    waiting = [shelves.pop().start(runs, "one") for _ in range(each)]
+    assert begun == [first]  # and no process for any other
+    assert [state(folder) for folder in waiting] == ["waiting"] * each
+    refused = shelves.pop()
+    with pytest.raises(QuotaReached, match="Cancel one of them"):
+        refused.start(runs, "one")
+    assert refused.folders() == []
+    others = [shelves.pop().start(runs, f"other {n}") for n in range(total - each)]
+    with pytest.raises(QuotaReached, match="20 studies are waiting"):
+        refused.start(runs, "another")
+    shelf = Shelf(root, waiting[0].path.parent.name)
+    assert shelf.ahead_of(waiting[0]) == 1
+    shelf.cancel(waiting[0])
+    assert state(waiting[0]) == "stopped"
+    refused.start(runs, "another")
+    write_stand(first, Stand("done", time.time()))
+    assert Shelf(root, "0").ahead_of(others[0]) == 1 + len(waiting[2:])
+    assert begun == [first, waiting[1]]  # whoever looks has the next one begun
 
 
 def test_folders_of_others_are_not_taken_for_studies(tmp_path: Path) -> None:

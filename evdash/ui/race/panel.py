@@ -23,7 +23,7 @@ from evdash.ui.apart import apart, one_click
 from evdash.ui.parts import show, table, table_below
 from evdash.ui.race.racing import Finished, Racing, current_racing
 from evdash.ui.session import Session
-from evdash.ui.words import plain
+from evdash.ui.words import counted, plain
 
 POLL_SECONDS = 0.5
 INTRODUCTION = (
@@ -92,10 +92,20 @@ def _beat(racing: Racing, on: bool) -> None:
     if not racing.is_running:
         st.rerun()
     share = stand.done / stand.total if stand.total else 0.0
-    told = "Waiting for another race to end …" if stand.state == "waiting" else "Getting ready …"
+    told = waiting(racing.ahead) if racing.is_in_line else "Its turn comes next …"
+    if stand.state == "running":
+        told = "Getting ready …"
     if stand.policy:
         told = f"{RULES[stand.policy].title} …"
     st.progress(share, told)
+
+
+def waiting(ahead: int) -> str:
+    """What is said of a race that waits; `ahead` others wait before it."""
+    more = f", and {counted(ahead, 'more that waits', 'more that wait')} before this one" * bool(
+        ahead
+    )
+    return f"Waiting for the race that is on{more} …"
 
 
 def _shown(finished: Finished, inputs: Inputs) -> None:

@@ -19,7 +19,8 @@ from evdash.ui.session import Session
 KEY = "evdash:draft"
 MOST_ROWS = 5_000
 MOST_INTERVALS = 1_000
-MOST_UNDONE = 10
+MOST_UNDONE, MOST_ROWS_UNDONE = 10, 100_000
+"""So many drafts can be had back, the latest ones, as long as they have no more rows in all."""
 CAP = "more than the app takes at a time; the command line takes more"
 
 
@@ -48,7 +49,7 @@ class Editor:
         self.grids: dict[str, list[dict[str, Any]]] = {}
         self.revision = 0
         self.said: Said | None = None
-        self.uploaded: set[str] = set()
+        self.uploads = 0
         self.waiting: WaitingTable | None = None
         self.network: WaitingNetwork | None = None
         self._number = 0
@@ -78,6 +79,8 @@ class Editor:
         What `books` hold is told by sheet and row as long as it stands as it came.
         """
         self._before = [*self._before, self.draft][-MOST_UNDONE:]
+        while len(self._before) > 1 and sum(map(_rows_in, self._before)) > MOST_ROWS_UNDONE:
+            self._before.pop(0)
         self._show(draft)
         self.said = said
         for book in books:
@@ -131,6 +134,10 @@ class Editor:
         if book is None or came is not _part(self.draft, file):
             return fault
         return book.placed([fault])[0]
+
+
+def _rows_in(draft: Draft) -> int:
+    return sum(len(rows) for rows in draft.tables.values())
 
 
 def _part(draft: Draft, file: str) -> object:

@@ -29,6 +29,7 @@ from evdash.imports.scenario_book import (
 )
 from evdash.imports.tables import read_foreign_sheets
 from evdash.imports.workbook import is_workbook, sheet_names
+from evdash.ui import gate
 from evdash.ui.apart import one_click
 from evdash.ui.scenario.editor import Editor, Said, present_scenario
 from evdash.ui.scenario.feeder_form import (
@@ -51,7 +52,8 @@ UPLOAD_HELP = (
     "fleet.csv, arrivals.csv, "
     "events.csv or scenario.toml replaces that file only, an .xlsx the sheets it has. A pandapower "
     ".json is a feeder; other tables (.json, .csv, .xlsx) are recorded sessions, prices or loads. "
-    "Both wait until you confirm what they are. Files stay on this computer."
+    "Both wait until you confirm what they are. At most 10 MB a file, 40 MB at a time; what was "
+    "taken in or refused makes room."
 )
 
 
@@ -88,27 +90,36 @@ def sources(session: Session, editor: Editor) -> None:
         )
         shipped_choice(editor)
     with right:
-        st.file_uploader(
-            "Or bring your own files",
-            type=["zip", "csv", "toml", "json", "xlsx"],
-            accept_multiple_files=True,
-            key=UPLOAD,
-            on_change=_uploaded,
-            args=(editor,),
-            max_upload_size=MOST_MB,
-            help=UPLOAD_HELP,
-        )
+        _uploader(editor)
         templates()
     feeder_form(editor)
     table_form(editor)
 
 
+def _uploader(editor: Editor) -> None:
+    """Where files come in: an empty one each time some have, as no file is kept any longer."""
+    with st.container(key=UPLOAD):
+        st.file_uploader(
+            "Or bring your own files",
+            type=["zip", "csv", "toml", "json", "xlsx"],
+            accept_multiple_files=True,
+            key=f"{UPLOAD}:{editor.uploads}",
+            on_change=_uploaded,
+            args=(editor,),
+            max_upload_size=MOST_MB,
+            help=UPLOAD_HELP,
+        )
+        if refused := gate.refused_here():
+            st.warning(refused, icon=":material/upload_file:")
+
+
 def _uploaded(editor: Editor) -> None:
-    """Take in what was not there the last time; what is taken away again changes nothing."""
-    new = [file for file in st.session_state[UPLOAD] if file.file_id not in editor.uploaded]
-    editor.uploaded |= {file.file_id for file in new}
-    if new:
-        receive(editor, {file.name: file.getvalue() for file in new})
+    """Take in what has come, or refuse it; either way it is let go then."""
+    files = {file.name: file for file in st.session_state[f"{UPLOAD}:{editor.uploads}"]}
+    if files:
+        editor.uploads += 1
+        receive(editor, {name: file.getvalue() for name, file in files.items()})
+        gate.let_go()
 
 
 def _take(session: Session, editor: Editor) -> None:

@@ -21,7 +21,9 @@ from evdash.ui.apart import one_click
 from evdash.ui.scenario.editor import present_scenario
 from evdash.ui.session import Session
 from evdash.ui.settings import NETWORK_NAMES
+from evdash.ui.studies.refusal import refusals, show_refusal
 from evdash.ui.studies.words import duration
+from evdash.ui.visitors import visitor
 from evdash.ui.words import counted, plain
 
 OWN = "own"
@@ -223,11 +225,13 @@ def _start(shelf: Shelf, runs: StudyRuns | None) -> None:
         help="It runs beside this page: go on elsewhere, close the tab, come back by this page's "
         "address. Others who use this server come first.",
     )
+    show_refusal()
     if live is not None:
         st.caption("One study at a time: the next can start once yours has ended or is cancelled.")
 
 
 def _begin(shelf: Shelf, runs: StudyRuns) -> None:
     if shelf.live() is None:
-        folder = shelf.start(runs)
-        st.session_state[CHOSEN] = folder.path.name
+        with refusals():
+            folder = shelf.start(runs, visitor())
+            st.session_state[CHOSEN] = folder.path.name

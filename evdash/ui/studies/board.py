@@ -7,6 +7,7 @@ from evdash.studies.shelf import Shelf
 from evdash.ui.studies.handing import handing
 from evdash.ui.studies.mine import said_of_address
 from evdash.ui.studies.pictures import heading, pictures
+from evdash.ui.studies.refusal import resume
 from evdash.ui.studies.standing import chosen, standing
 from evdash.ui.words import plain
 
@@ -41,4 +42,4 @@ def show(shelf: Shelf) -> None:
         handing(folder, found)
     elif stand is not None and stand.ended and not stand.is_live:
         st.info(OTHER_CODE, icon=":material/history:")
-        st.button("Run it again", on_click=shelf.resume, args=(folder,), key="again_study")
+        st.button("Run it again", on_click=resume, args=(shelf, folder), key="again_study")

@@ -7,6 +7,7 @@ from evdash.studies.shelf import Shelf
 from evdash.studies.stand import Stand, read_stand
 from evdash.ui.apart import apart
 from evdash.ui.studies.ask import CHOSEN
+from evdash.ui.studies.refusal import resume, show_refusal
 from evdash.ui.studies.words import duration
 from evdash.ui.words import counted, plain
 
@@ -49,7 +50,7 @@ def standing(shelf: Shelf, folder: StudyFolder) -> Stand | None:
 def _told(shelf: Shelf, folder: StudyFolder, drawn: Stand | None) -> None:
     stand = read_stand(folder)
     if stand is None:
-        st.button("Run it", on_click=shelf.resume, args=(folder,), key="resume_study")
+        st.button("Run it", on_click=resume, args=(shelf, folder), key="resume_study")
         return
     if drawn is not None and _differs(drawn, stand):
         st.rerun()
@@ -60,6 +61,7 @@ def _told(shelf: Shelf, folder: StudyFolder, drawn: Stand | None) -> None:
         else:
             st.markdown(f":material/check_circle: {_sentence(shelf, folder, stand)}")
         _buttons(shelf, folder, stand)
+    show_refusal()
     if stand.said:
         st.error(plain(stand.said), icon=":material/error:")
 
@@ -107,8 +109,8 @@ def _buttons(shelf: Shelf, folder: StudyFolder, stand: Stand) -> None:
     elif stand.ended < stand.total or stand.state != "done":
         st.button(
             "Resume",
-            on_click=shelf.resume,
-            args=(folder,),
+            on_click=resume,
+            args=(shelf, folder),
             key="resume_study",
             icon=":material/play_arrow:",
             disabled=shelf.live() is not None,
@@ -117,8 +119,8 @@ def _buttons(shelf: Shelf, folder: StudyFolder, stand: Stand) -> None:
     elif stand.failed:
         st.button(
             "Try failed runs again",
-            on_click=shelf.resume,
-            args=(folder, True),
+            on_click=resume,
+            args=(shelf, folder, True),
             key="retry_study",
             icon=":material/refresh:",
             disabled=shelf.live() is not None,
