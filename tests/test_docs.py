@@ -41,15 +41,45 @@ def test_links_and_named_files_exist(page):
         assert (ROOT / named).exists(), named
 
 
-def test_every_requirement_has_its_reason_in_the_readme():
-    lines = (ROOT / "requirements.txt").read_text(encoding="utf-8").split()
-    for line in lines:
-        package = re.split(r"[<>=~!]", line)[0]
-        assert f"| {package} |" in README, package
-        assert re.search(r">=[\d.]+,<\d", line), f"{line} is not bounded on both sides"
+def requirements(name):
+    """(package, lower limit, upper limit) of every line, None where a limit is missing."""
+    lines = (ROOT / name).read_text(encoding="utf-8").splitlines()
+    bounds = re.compile(r"([a-z0-9-]+)(?:\[[a-z]+\])?(?:>=([\d.]+))?(?:,?<([\d.]+))?")
+    found = [(line, bounds.fullmatch(line)) for line in lines if not line.startswith("-r ")]
+    assert all(match for _, match in found), [line for line, match in found if not match]
+    return [match.groups() for _, match in found]
 
 
-def test_ci_runs_the_readmes_test_command():
-    command = ".venv/bin/python -m pytest -n auto --dist loadfile"
-    assert command in README
-    assert command in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+def test_the_readmes_table_holds_every_requirement_and_nothing_else():
+    table = README.split("| package | why |")[1].split("\n\n")[0]
+    told = re.findall(r"^\| ([a-z][a-z0-9-]*) \| .+ \|$", table, re.MULTILINE)
+    assert sorted(told) == sorted(package for package, _, _ in requirements("requirements.txt"))
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in ROOT.glob("requirements*.txt")))
+def test_every_bound_has_a_lower_and_an_upper_limit(name):
+    for package, low, high in requirements(name):
+        assert low, f"{package} has no lower limit"
+        assert high, f"{package} has no upper limit"
+        assert [int(part) for part in low.split(".")] < [int(part) for part in high.split(".")]
+
+
+def test_the_lowest_versions_are_those_of_the_bounds():
+    printed = subprocess.run(
+        [ROOT / ".ci" / "lowest"], capture_output=True, encoding="utf-8", check=True
+    ).stdout
+    pins = [re.sub(r"\[[a-z]+\]", "", line).split("==") for line in printed.splitlines()]
+    bounds = [
+        [package, low]
+        for path in ROOT.glob("requirements*.txt")
+        for package, low, _ in requirements(path.name)
+    ]
+    assert sorted(pins) == sorted(bounds)
+
+
+def test_ci_runs_the_readmes_test_command_on_the_newest_and_the_lowest_versions():
+    command = "bin/python -m pytest -n auto --dist loadfile"
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert f".venv/{command}" in README
+    assert f"\n.venv/{command} ||" in script
+    assert f"\n.venv-lowest/{command} -m " in script
