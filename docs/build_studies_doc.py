@@ -80,8 +80,7 @@ ones again.
 Where a worker process dies, the runs it may have been at are done one by one, and the one it
 dies of is recorded. The tables are the same to the last digit whatever the number of workers and
 the order in which they came: a run has one thread, and the solver's limits are counts of
-nodes, not seconds (but for a last safety of 20 s an interval; the slowest of the bundled day
-takes 0.2 s).
+work, never seconds.
 
 Exit status: 0 done; 1 stopped, or some run failed; 2 wrong input.
 
