@@ -1,7 +1,6 @@
 """What one person does: steps, looks around, clicks twice, reloads and leaves in mid-step."""
 
 import asyncio
-import re
 import time
 from collections import Counter
 from dataclasses import dataclass, field
@@ -12,7 +11,6 @@ import numpy as np
 from benchmarks.crowd.days import MARK, steps_kept
 from benchmarks.crowd.visitor import Visitor
 
-DECIDED = re.compile(r"(\d+) of \d+ interval")
 SOON_SECONDS = 5.0
 HASTE_SECONDS = 0.12
 """Between two clicks of a person in a hurry."""
@@ -119,7 +117,7 @@ class User:
     async def _hold(self, what: str) -> None:
         """What is shown against what was done; what is not so is told, and then taken over."""
         until = time.monotonic() + SOON_SECONDS
-        while (shown := self._shown()) != self.steps and time.monotonic() < until:
+        while (shown := self.visitor.steps_shown) != self.steps and time.monotonic() < until:
             await asyncio.sleep(0.1)
             await self.visitor.settled()
         if shown != self.steps:
@@ -128,11 +126,6 @@ class User:
         if self.visitor.link and self.visitor.link != self.link:
             self.faults.append(f"{what}: goes on as a copy")
             self.link = self.visitor.link
-
-    def _shown(self) -> int | None:
-        """How many steps the page says were taken."""
-        found = (DECIDED.search(text) for text in self.visitor.texts())
-        return next((int(match[1]) for match in found if match), None)
 
     def kept(self) -> None:
         """Whether the store has what was done."""

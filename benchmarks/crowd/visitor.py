@@ -5,6 +5,7 @@ keeps widgets' values, rings fragments' timers, follows the address. It draws no
 """
 
 import asyncio
+import re
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
 from streamlit.proto.WidgetStates_pb2 import WidgetState, WidgetStates
 
 PATIENCE_SECONDS = 180.0
+DECIDED = re.compile(r"(\d+) of \d+ interval")
 
 
 @dataclass(slots=True)
@@ -92,6 +94,12 @@ class Visitor:
     def link(self) -> str:
         """The link of the run, as the address has it."""
         return parse_qs(self.query).get("run", [""])[0]
+
+    @property
+    def steps_shown(self) -> int | None:
+        """How many steps the page says were taken; None where it does not say."""
+        found = (DECIDED.search(text) for text in self.texts())
+        return next((int(match[1]) for match in found if match), None)
 
     def texts(self) -> Iterator[str]:
         """Every text on the page, chart data included."""
