@@ -1,6 +1,7 @@
 """What a fault says: pydantic's findings in the words of someone who plans feeders."""
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import annotated_types
@@ -8,9 +9,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from evdash.domain.fields import TITLE_PATTERN
+from evdash.files.numbers import FINITE, NUMBER, WHOLE, number_rule
 
-NUMBER = "should be a number"
-WHOLE = "should be a whole number"
 TABLE = "should be a table of keys"
 WORDS = {
     "missing": "should be given",
@@ -19,7 +19,7 @@ WORDS = {
     "string_too_long": "should have at most {max_length} characters",
     "float_type": NUMBER,
     "float_parsing": NUMBER,
-    "finite_number": "should be a finite number",
+    "finite_number": FINITE,
     "int_type": WHOLE,
     "int_parsing": WHOLE,
     "int_parsing_size": WHOLE + ", and not as large",
@@ -36,11 +36,11 @@ WORDS = {
     "model_attributes_type": TABLE,
 }
 LONGEST = 60
-MARKS = {
-    annotated_types.Ge: ("ge", "at least"),
-    annotated_types.Gt: ("gt", "above"),
-    annotated_types.Le: ("le", "at most"),
-    annotated_types.Lt: ("lt", "below"),
+MARKS: Mapping[type, tuple[str, str, Callable[[Any, Any], bool]]] = {
+    annotated_types.Ge: ("ge", "at least", operator.ge),
+    annotated_types.Gt: ("gt", "above", operator.gt),
+    annotated_types.Le: ("le", "at most", operator.le),
+    annotated_types.Lt: ("lt", "below", operator.lt),
 }
 
 
@@ -49,6 +49,8 @@ def allowed(details: ErrorDetails) -> str:
     kind = details["type"]
     if kind == "string_pattern_mismatch":
         return _allowed_text(str(details["input"]), details["ctx"]["pattern"])
+    if WORDS.get(kind) in (NUMBER, WHOLE) and isinstance(details["input"], str):
+        return number_rule(details["input"], whole=WORDS[kind] == WHOLE)
     if kind in WORDS:
         return WORDS[kind].format_map(_tidy(details.get("ctx", {})))
     message = str(details["msg"]).removeprefix("Value error, ").replace("Input should", "should")
@@ -103,9 +105,19 @@ def meaning(field: FieldInfo | None) -> str:
 
 def allowed_words(field: FieldInfo) -> str:
     """What a field allows, `at least 0, at most 100`; empty where it says nothing."""
-    return ", ".join(
-        f"{word} {getattr(mark, name):,.10g}"
-        for mark in field.metadata
-        for kind, (name, word) in MARKS.items()
-        if isinstance(mark, kind)
-    )
+    return ", ".join(f"{word} {bound:,.10g}" for word, bound, _ in _bounds(field.metadata))
+
+
+def beyond(number: float, marks: Iterable[object]) -> str:
+    """Which of a field's bounds a number is beyond, `should be above 0`; empty where of none."""
+    for word, bound, holds in _bounds(marks):
+        if not holds(number, bound):
+            return f"should be {word} {bound:,.10g}"
+    return ""
+
+
+def _bounds(marks: Iterable[object]) -> Iterator[tuple[str, Any, Callable[[Any, Any], bool]]]:
+    for mark in marks:
+        for kind, (name, word, holds) in MARKS.items():
+            if isinstance(mark, kind):
+                yield word, getattr(mark, name), holds
