@@ -28,10 +28,11 @@ if __name__ == "__main__":
         from evdash.ui import page, widths
         from evdash.ui.session import current
 
-    page.begin()
-    shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
-    page.go_on("pages/live.py")
-    shown.run()
+    with page.drawing():
+        page.begin()
+        shown = page.navigation({"Learn": LEARN, "Plan": PLAN})
+        page.go_on("pages/live.py")
+        shown.run()
     page.settle_in()
     page.keep_address()
     widths.listen(current())

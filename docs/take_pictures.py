@@ -106,7 +106,7 @@ def compare(page: Page) -> None:
 def studies(page: Page) -> None:
     """A small study, ended."""
     go(page, "Plan", "Studies")
-    field = page.get_by_role("spinbutton", name="Days at every point")
+    field = page.get_by_role("textbox", name="Days at every point")
     field.fill("8")
     field.press("Enter")
     settle(page)

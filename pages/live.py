@@ -1,8 +1,10 @@
 """Live: step a day, hour by hour, and change it on the way."""
 
+from functools import partial
+
 import streamlit as st
 
-from evdash.ui import drive, page, parts
+from evdash.ui import apart, drive, page, parts
 from evdash.ui.events import ledger, panel
 from evdash.ui.live import controls, decision, head, panels, prompts, voltages
 from evdash.ui.session import current
@@ -10,7 +12,7 @@ from evdash.ui.toolbar import toolbar
 
 page.by_way_of_app("pages/live.py")
 session = current()
-controls.take_edits(session)
+apart.take_typed(partial(controls.take_edits, session))
 voltages.ask(session)
 controls.sidebar(session, parts.view(session))
 with st.container(key="live"):

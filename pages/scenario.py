@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from evdash.ui import page
+from evdash.ui import apart, page
 from evdash.ui.scenario import form, outcome, sources
 from evdash.ui.scenario.editor import current_editor
 from evdash.ui.session import current
@@ -10,6 +10,7 @@ from evdash.ui.session import current
 page.by_way_of_app("pages/scenario.py")
 session = current()
 editor = current_editor(session)
+apart.take_typed(editor.take_typed)
 sources.sources(session, editor)
 head = st.container()
 form.form(editor)

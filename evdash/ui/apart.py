@@ -7,6 +7,8 @@ wrong in Streamlit 1.67 on a busy machine, and both are kept out here:
   nothing of the page has been sent yet, everything below the part moves up by one place, and a
   later word to its old place empties the whole page. A container of its own holds the place.
 - A click is sent twice: by the part's timer, which tells the state of all widgets, and by itself.
+
+And a click right after something was typed comes together with it: what was typed counts first.
 """
 
 from collections.abc import Callable
@@ -17,6 +19,8 @@ import streamlit as st
 from streamlit.runtime.scriptrunner import get_script_run_ctx
 
 P = ParamSpec("P")
+TAKE = "evdash:take_typed"
+NOT_TAKEN = "Not done: what you just typed could not be taken. Click again to go on without it."
 
 
 def apart(
@@ -31,16 +35,36 @@ def apart(
     return placed
 
 
+def take_typed(take: Callable[[], bool]) -> None:
+    """Take what was typed on this page since it was drawn: now, and before each click on it.
+
+    `take` says whether all of it could be taken.
+    """
+    st.session_state[TAKE] = take
+    take()
+
+
+def forget_typed() -> None:
+    """Another page may be drawn, which has fields of its own or none."""
+    st.session_state.pop(TAKE, None)
+
+
 def one_click(act: Callable[P, object]) -> Callable[P, None]:
     """`act` as what a widget outside all such parts does when clicked.
 
-    A click that comes with the run of a part is followed by one of its own.
+    A click that comes with the run of a part is followed by one of its own. One that comes with
+    something typed that cannot be taken does nothing: it was meant for what was typed.
     """
 
     @wraps(act)
     def clicked(*args: P.args, **kwargs: P.kwargs) -> None:
         run = get_script_run_ctx()
-        if run is None or not run.fragment_ids_this_run:
+        if run is not None and run.fragment_ids_this_run:
+            return
+        take = st.session_state.get(TAKE)
+        if take is None or take():
             act(*args, **kwargs)
+        else:
+            st.toast(NOT_TAKEN, icon=":material/edit:")
 
     return clicked

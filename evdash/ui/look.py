@@ -21,6 +21,11 @@ STYLE = """
 .st-key-sentence p { font-size: 1.2rem; line-height: 1.35; }
 .st-key-live { gap: .5rem; }
 .st-key-outcome { gap: .4rem; }
+/* A count is stepped by two buttons inside its field, on the right. */
+[class*="st-key-typed-"] { position: relative; }
+[data-testid="stLayoutWrapper"]:has(> [class*="st-key-steps-"]) { position: absolute;
+  right: .25rem; bottom: 0; width: auto; }
+[class*="st-key-steps-"] button { min-height: 2.5rem; padding: 0 .45rem; }
 .st-key-prompts button { min-height: 2rem; padding: .1rem .6rem; }
 .st-key-figures [data-testid="stMetricLabel"] { min-height: 1.2rem; }
 .st-key-schedule, .st-key-decision { gap: .4rem; }

@@ -2,11 +2,13 @@
 
 import gc
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import lru_cache
 
 import streamlit as st
 from streamlit.navigation.page import Page
 
+from evdash.ui.apart import forget_typed
 from evdash.ui.keeping import LINK
 from evdash.ui.session import KEY, PRESET, Session
 from evdash.ui.studies import mine
@@ -17,11 +19,18 @@ BEGUN, GOAL = "evdash:begun", "evdash:goal"
 def begin() -> None:
     """Remember that `app.py` came first."""
     st.session_state[BEGUN] = True
+    forget_typed()
 
 
 def navigation(groups: Mapping[str, Sequence[Page]]) -> Page:
     """The bar of all pages in their groups, and the page to show."""
     return st.navigation({name: pages for name, pages in groups.items() if pages}, position="top")
+
+
+def drawing() -> AbstractContextManager[None]:
+    """While the page is being drawn."""
+    session: Session | None = st.session_state.get(KEY)
+    return session.rest.broken() if session else nullcontext()
 
 
 def keep_address() -> None:

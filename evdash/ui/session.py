@@ -19,10 +19,11 @@ from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
 from evdash.ui import keeping
 from evdash.ui import run as runs
+from evdash.ui.downloads import Rest
 from evdash.ui.keeping import Keeper
 from evdash.ui.run import Run
 from evdash.ui.solving import policy
-from evdash.ui.whatif import Prompt, Prompted
+from evdash.ui.whatif import Prompted, prompts
 from evdash.ui.words import plain
 
 Mode = Literal["idle", "playing", "finishing"]
@@ -38,6 +39,9 @@ _open: weakref.WeakSet["Session"] = weakref.WeakSet()
 class Session:
     """A tab's run and how it is being driven.
 
+    `refused` is what was typed into fields of numbers and could not be read, by their keys;
+    `price_refused` likewise into the table of energy prices, by interval.
+
     Streamlit aborts a running script at its next call when somebody clicks again. So every
     change is a pure function from run to run and one assignment, without a Streamlit call in
     between, and the lock lets one change follow the other: a click is neither lost nor
@@ -47,12 +51,16 @@ class Session:
     def __init__(self, run: Run, keeper: Keeper | None = None) -> None:
         self.run = run
         self.keeper = keeper or Keeper()
+        self.rest = Rest()
         self.mode: Mode = "idle"
         self.prompted: Prompted | None = None
         self.shown: dict[str, object] = {}
         self.width_px: dict[str, float] = {}
-        self.price_base: tuple[float, ...] = ()
+        self.refused: dict[str, str] = {}
+        self.price_first = 0
+        self.price_base: tuple[str, ...] = ()
         self.price_latest: tuple[float, ...] = ()
+        self.price_refused: dict[int, str] = {}
         self.price_revision = 0
         self._stepped_at = 0.0
         self._past: deque[Run] = deque(maxlen=MOST_UNDONE)
@@ -134,9 +142,10 @@ class Session:
         """Let an event happen now; `after` is what it makes of `before`, worked out already."""
         self._change(lambda run: runs.happened(run, event, before, after))
 
-    def press(self, prompt: Prompt) -> None:
-        """Do what a prompt asks for, and remember the run before it."""
+    def press(self, key: str) -> None:
+        """Do what a prompt asks for of the run as it is now, and remember the run before it."""
         before = self.run
+        prompt = next(prompt for prompt in prompts(before) if prompt.key == key)
         if prompt.change is not None:
             self._change(prompt.change)
         changed = self.run.trace is not before.trace

@@ -5,9 +5,7 @@ Meaning, unit and bounds come from the fields' own declarations; nothing is rety
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-import annotated_types
 from pydantic.fields import FieldInfo
 
 from evdash.domain.outlook import Outlook
@@ -19,10 +17,11 @@ from evdash.domain.scenario import (
     Station,
 )
 from evdash.domain.trace import Inputs, Network, Trace
+from evdash.errors import Fault
+from evdash.ui.typed import read_within
 from evdash.ui.words import clock, counted, plain
 
 NETWORK_NAMES: Mapping[Network, str] = {"lindistflow": "Linearised", "ac": "Full AC"}
-LARGEST_IN_A_BROWSER = 2**53 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,45 +31,27 @@ class Control:
     key: str
     label: str
     value: float
-    step: float
-    low: float | None
-    high: float | None
+    marks: tuple[object, ...]
     help: str
 
     @property
     def is_count(self) -> bool:
         return isinstance(self.value, int)
 
+    def read(self, text: str) -> float | Fault:
+        """The number that was typed, or what is wrong with it."""
+        return read_within(self.label, text, self.marks, whole=self.is_count)
 
-def control(key: str, label: str, field: FieldInfo, value: float, step: float) -> Control:
-    """A control from its field's declaration. Exclusive bounds are left to validation."""
-    low, high = bounds(field)
-    kind = type(value)
+
+def control(key: str, label: str, field: FieldInfo, value: float) -> Control:
+    """A control from its field's declaration."""
     return Control(
         key,
         f"{label}, {unit}" if (unit := unit_of(field)) and unit not in label.lower() else label,
         value,
-        kind(step),
-        None if low is None else kind(max(low, -LARGEST_IN_A_BROWSER)),
-        None if high is None else kind(min(high, LARGEST_IN_A_BROWSER)),
+        tuple(field.metadata),
         help_text(field),
     )
-
-
-def bounds(field: FieldInfo) -> tuple[float | None, float | None]:
-    """Lowest and highest value a field allows, or would but for the bound itself."""
-    low: Any = None
-    high: Any = None
-    for mark in field.metadata:
-        if isinstance(mark, annotated_types.Ge):
-            low = mark.ge
-        elif isinstance(mark, annotated_types.Gt):
-            low = mark.gt
-        elif isinstance(mark, annotated_types.Le):
-            high = mark.le
-        elif isinstance(mark, annotated_types.Lt):
-            high = mark.lt
-    return low, high
 
 
 def unit_of(field: FieldInfo) -> str:
@@ -92,13 +73,12 @@ def arrival_controls(scenario: Scenario) -> list[Control]:
         return []
     fields = GeneratedArrivals.model_fields
     return [
-        control("arrivals.seed", "Arrival seed", fields["seed"], known.seed, 1),
+        control("arrivals.seed", "Arrival seed", fields["seed"], known.seed),
         control(
             "arrivals.vehicles_per_day",
             "Vehicles a day",
             fields["vehicles_per_day"],
             known.vehicles_per_day,
-            10,
         ),
     ]
 
@@ -106,7 +86,7 @@ def arrival_controls(scenario: Scenario) -> list[Control]:
 def charger_control(scenario: Scenario) -> Control:
     """How many chargers there are."""
     field = Station.model_fields["chargers"]
-    return control("station.chargers", "Chargers", field, scenario.station.chargers, 1)
+    return control("station.chargers", "Chargers", field, scenario.station.chargers)
 
 
 def option_controls(scenario: Scenario) -> list[tuple[str, Control, Control]]:
@@ -120,14 +100,12 @@ def option_controls(scenario: Scenario) -> list[tuple[str, Control, Control]]:
                 "price",
                 fields["price_per_kwh"],
                 option.price_per_kwh,
-                0.01,
             ),
             control(
                 f"option.{option.name}.average_kw",
                 "average",
                 fields["average_kw"],
                 option.average_kw,
-                0.1,
             ),
         )
         for option in scenario.option

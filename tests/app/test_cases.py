@@ -12,6 +12,7 @@ from streamlit.testing.v1 import AppTest
 from evdash.cli.main import main
 from evdash.domain.trace import Trace
 from evdash.files.bundled import bundled_scenarios
+from evdash.files.numbers import number_text
 from evdash.grid.acflow import ac_flow
 from evdash.metrics.totals import totals
 from evdash.ui.cases.case import Case, Claim, Walk, seen
@@ -98,9 +99,9 @@ def pressed(at: AppTest, doing: Doing) -> None:
         assert widget.label == doing.label
         widget.set_value(value).run()
     elif value is not None:
-        widget = at.number_input(key=doing.key)
+        widget = at.text_input(key=doing.key)
         assert widget.label.startswith(doing.label)
-        widget.set_value(value).run()
+        widget.set_value(number_text(value)).run()
     else:
         button = at.button(key=doing.key)
         assert button.label.replace("\\", "").startswith(doing.label)

@@ -3,6 +3,7 @@
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from evdash.files.numbers import number_text
 from evdash.ui.events.choices import CHOICES
 from tests.app.test_live_page import clicked, now, opened, session
 
@@ -18,7 +19,7 @@ def panel(steps: int = 18) -> AppTest:
 def asked(at: AppTest, kind: str, **fields: float) -> AppTest:
     at.selectbox(key="event_kind").select(kind).run()
     for key, value in fields.items():
-        at.number_input(key=f"event_{key}").set_value(value).run()
+        at.text_input(key=f"event_{key}").set_value(number_text(value)).run()
     return clicked(at, "event_ask")
 
 

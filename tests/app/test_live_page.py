@@ -11,6 +11,7 @@ from streamlit.testing.v1 import AppTest
 from evdash.domain.trace import Trace
 from evdash.explain.refusals import explain_vehicle
 from evdash.files.bundled import bundled_scenarios
+from evdash.files.numbers import number_text
 from evdash.ui.live import decision
 from evdash.ui.reasons import told_revision, told_worths
 from evdash.ui.session import KEY, Session
@@ -49,7 +50,7 @@ def figures(at: AppTest) -> dict[str, Any]:
 
 
 def edit(at: AppTest, key: str, value: float) -> AppTest:
-    at.number_input(key=key).set_value(value).run()
+    at.text_input(key=key).set_value(number_text(value)).run()
     assert not at.exception
     return at
 
@@ -124,11 +125,11 @@ def test_each_control_changes_the_scenario_from_now_on(key, value, read, steps) 
     assert read(run.trace.scenario) == value
     assert read(run.opened) != value
     assert run.trace.steps == past
-    assert at.number_input(key=key).value == value
+    assert at.text_input(key=key).value == number_text(value)
     assert any("Changed from the preset" in caption.value for caption in at.caption)
     clicked(at, "restore")
     assert read(session(at).run.trace.scenario) == read(run.opened)
-    assert at.number_input(key=key).value == read(run.opened)
+    assert at.text_input(key=key).value == number_text(read(run.opened))
 
 
 def test_an_impossible_edit_is_answered_and_the_widget_returns_to_the_truth() -> None:
@@ -136,7 +137,7 @@ def test_an_impossible_edit_is_answered_and_the_widget_returns_to_the_truth() ->
     before = session(at).run.trace
     edit(at, "station.chargers", 0)
     assert session(at).run.trace is before
-    assert at.number_input(key="station.chargers").value == 12
+    assert at.text_input(key="station.chargers").value == "12"
     assert "would break" in at.error[0].value
     assert list(at.dataframe[0].value.columns) == ["Vehicle", "Missing, kWh"]
     at.run()
@@ -149,7 +150,7 @@ def test_a_wrong_edit_is_answered_with_its_faults() -> None:
     at = opened(steps=2)
     edit(at, "option.C1.average_kw", 50.0)
     assert "max\\_kw" in at.error[0].value
-    assert at.number_input(key="option.C1.average_kw").value == 9.6
+    assert at.text_input(key="option.C1.average_kw").value == "9.6"
 
 
 @pytest.mark.parametrize("steps", [0, 10])
@@ -173,7 +174,7 @@ def test_another_preset_begins_another_day() -> None:
     at.selectbox(key="preset").set_value("voltage-limited").run()
     assert not at.exception
     assert now(at) == 0
-    assert at.number_input(key="station.chargers").value == 140
+    assert at.text_input(key="station.chargers").value == "140"
     assert at.run().query_params["preset"] == "voltage-limited"
 
 

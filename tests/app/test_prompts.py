@@ -31,7 +31,7 @@ def begun(steps: int = 0, preset: str = DEFAULT.name) -> Run:
 
 def pressed(run: Run, key: str) -> Session:
     session = Session(run)
-    session.press(next(prompt for prompt in prompts(run) if prompt.key == key))
+    session.press(key)
     return session
 
 

@@ -138,7 +138,7 @@ def test_a_day_of_a_month_is_picked_then_another_then_all_of_them() -> None:
     assert names(scenario) == ["5-0", "5-1", "5-2"]
     assert (scenario.start, scenario.intervals) == (datetime(2019, 3, 5), 24)
     at.selectbox(key="table:1::first").set_value(date(2019, 3, 30)).run()
-    at.number_input(key="table:1::days:2019-03-30").set_value(2).run()
+    at.text_input(key="table:1::days:2019-03-30").set_value("2").run()
     press(at, "confirm_sessions")
     assert names(checked(at)) == ["30-0", "31-0", "31-1"]
     at.selectbox(key="table:1::first").set_value(None).run()

@@ -10,6 +10,7 @@ from streamlit.testing.v1 import AppTest
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.draft import draft_of, files_of, read_draft, scenario_of, zipped
 from evdash.files.folder import read_zip
+from evdash.files.numbers import number_text
 from evdash.files.scenario_folder import read_scenario, scenario_files
 from evdash.imports.scenario_book import scenario_workbook
 from evdash.ui import run as runs
@@ -17,7 +18,6 @@ from evdash.ui.scenario.editor import KEY as DRAFT
 from evdash.ui.scenario.editor import MOST_ROWS, Editor
 from evdash.ui.scenario.form import TABS
 from evdash.ui.scenario.sources import receive
-from evdash.ui.scenario.tables import frame_of, rows_of
 from evdash.ui.session import KEY, Session
 from evdash.ui.solving import policy
 
@@ -101,7 +101,7 @@ NUMBERS = [
 @pytest.mark.parametrize(("section", "key", "value"), NUMBERS)
 def test_every_number_is_edited_by_its_key(section: str, key: str, value: float) -> None:
     at = tab(opened(), section)
-    at.number_input(key=f"scenario:{key}").set_value(value).run()
+    at.text_input(key=f"scenario:{key}").set_value(number_text(value)).run()
     assert not at.exception
     *path, last = key.split(".")
     if last.isdigit():
@@ -111,7 +111,7 @@ def test_every_number_is_edited_by_its_key(section: str, key: str, value: float)
     assert editor(at).is_edited
     tab(at, "As text")
     tab(at, section)
-    assert at.number_input(key=f"scenario:{key}").value == value
+    assert at.text_input(key=f"scenario:{key}").value == number_text(value)
 
 
 @pytest.mark.parametrize(("key", "value"), [("name", "Mine"), ("start", "2021-01-01T06:00")])
@@ -124,24 +124,24 @@ def test_texts_are_edited_by_their_key(key: str, value: str) -> None:
 
 def test_faults_are_told_all_at_once_and_work_is_kept() -> None:
     at = opened()
-    at.number_input(key="scenario:station.chargers").set_value(-4).run()
-    at.number_input(key="scenario:interval_minutes").set_value(7).run()
+    at.text_input(key="scenario:station.chargers").set_value("-4").run()
+    at.text_input(key="scenario:interval_minutes").set_value("7").run()
     at.text_input(key="scenario:start").set_value("tomorrow").run()
     assert "3 faults" in at.error[0].value
     shown = at.dataframe[0].value
     assert list(shown.columns) == ["Where", "Found", "Allowed"]
     assert {"scenario.toml, station.chargers", "scenario.toml, start"} <= set(shown["Where"])
     assert at.button(key="apply_scenario").disabled
-    assert at.number_input(key="scenario:station.chargers").value == -4
+    assert at.text_input(key="scenario:station.chargers").value == "-4"
     at.switch_page("pages/live.py").run()
     at.switch_page("pages/scenario.py").run()
-    assert at.number_input(key="scenario:station.chargers").value == -4
+    assert at.text_input(key="scenario:station.chargers").value == "-4"
     assert "3 faults" in at.error[0].value
 
 
 def test_a_new_day_begins_on_it_after_saying_what_is_dropped() -> None:
     at = opened(steps=3)
-    at.number_input(key="scenario:station.chargers").set_value(8).run()
+    at.text_input(key="scenario:station.chargers").set_value("8").run()
     assert any("drops the 3 intervals" in caption.value for caption in at.caption)
     press(at, "apply_scenario")
     run = session(at).run
@@ -151,7 +151,7 @@ def test_a_new_day_begins_on_it_after_saying_what_is_dropped() -> None:
     assert "preset" not in at.query_params
     at.switch_page("pages/live.py").run()
     assert not at.exception
-    assert at.number_input(key="station.chargers").value == 8
+    assert at.text_input(key="station.chargers").value == "8"
     at.selectbox(key="preset").set_value(PRESETS[1]).run()
     assert not at.exception
     assert session(at).run.folder.name == PRESETS[1]
@@ -159,7 +159,7 @@ def test_a_new_day_begins_on_it_after_saying_what_is_dropped() -> None:
 
 def test_a_scenario_of_ones_own_is_told_apart_from_the_preset_of_its_name() -> None:
     at = opened()
-    at.number_input(key="scenario:station.chargers").set_value(7).run()
+    at.text_input(key="scenario:station.chargers").set_value("7").run()
     press(at, "apply_scenario")
     at.switch_page("pages/live.py").run()
     labels = at.selectbox(key="preset").options
@@ -173,21 +173,21 @@ def test_an_untouched_draft_follows_the_present_run_and_an_edited_one_does_not()
     at = opened()
     session(at).edit("chargers", {"station.chargers": 5})
     at.run()
-    assert at.number_input(key="scenario:station.chargers").value == 5
-    at.number_input(key="scenario:station.min_kw").set_value(1.5).run()
+    assert at.text_input(key="scenario:station.chargers").value == "5"
+    at.text_input(key="scenario:station.min_kw").set_value("1.5").run()
     session(at).edit("chargers", {"station.chargers": 4})
     at.run()
-    assert at.number_input(key="scenario:station.chargers").value == 5
+    assert at.text_input(key="scenario:station.chargers").value == "5"
 
 
 def test_presets_are_taken_and_undone() -> None:
     at = opened()
-    at.number_input(key="scenario:station.chargers").set_value(5).run()
+    at.text_input(key="scenario:station.chargers").set_value("5").run()
     at.selectbox(key="scenario_from").set_value("voltage-limited").run()
     press(at, "take_scenario")
-    assert at.number_input(key="scenario:station.chargers").value == 140
+    assert at.text_input(key="scenario:station.chargers").value == "140"
     press(at, "undo_scenario")
-    assert at.number_input(key="scenario:station.chargers").value == 5
+    assert at.text_input(key="scenario:station.chargers").value == "5"
 
 
 def test_a_zip_taken_in_is_the_scenario_it_was_made_from() -> None:
@@ -227,7 +227,7 @@ def test_a_single_table_replaces_its_own_and_its_faults_are_told_by_row() -> Non
 )
 def test_files_that_have_no_place_are_refused_and_nothing_is_lost(name, content) -> None:
     at = opened()
-    at.number_input(key="scenario:station.chargers").set_value(5).run()
+    at.text_input(key="scenario:station.chargers").set_value("5").run()
     before = editor(at).draft
     upload(at, **{name: content})
     assert "your work is as it was" in at.error[0].value
@@ -263,7 +263,7 @@ def test_vehicles_become_a_list_and_are_drawn_again() -> None:
 def test_what_would_hang_the_app_is_refused() -> None:
     at = tab(opened(), "Vehicles")
     key = "scenario:arrivals.vehicles_per_day"
-    at.number_input(key=key).set_value(1_000_000.0).run()
+    at.text_input(key=key).set_value("1000000").run()
     assert "should be at most" in at.dataframe[0].value["Allowed"][0]
     row = editor(at).draft.tables["fleet.csv"][0]
     editor(at).set_rows("fleet.csv", (row,) * (MOST_ROWS + 1))
@@ -271,19 +271,28 @@ def test_what_would_hang_the_app_is_refused() -> None:
     assert any("too many to edit" in warning.value for warning in at.warning)
 
 
-def test_data_frames_of_tables_give_back_the_rows() -> None:
-    rows = read_draft(
-        {name: text.encode() for name, text in scenario_files(read_scenario(DEFAULT)).items()}
-    ).tables["nodes.csv"]
-    kinds = {name: str if name == "node" else float for name in rows[0]}
-    frame = frame_of(rows, kinds)
-    assert frame.index[0] == 2  # as the file counts
-    assert rows_of(frame, kinds) == rows
+def test_cells_of_tables_are_the_rows_as_typed_and_faults_of_the_draft() -> None:
+    at = tab(opened(), "Feeder")
+    rows = editor(at).draft.tables["nodes.csv"]
+    key = next(k for k in editor(at).laid if k.startswith("table:nodes.csv"))
+    lay = editor(at).laid[key]
+    lay({})
+    assert editor(at).draft.tables["nodes.csv"] == rows
+    lay({"edited_rows": {1: {"load_kw": "1,5"}}, "added_rows": [{"node": "x"}, {}]})
+    typed = editor(at).draft.tables["nodes.csv"]
+    assert typed[1] == rows[1] | {"load_kw": "1,5"}
+    assert typed[2:] == (*rows[2:], dict.fromkeys(rows[0], "") | {"node": "x"})
+    at.run()
+    told = at.dataframe[0].value
+    assert told["Found"][0] == "'1,5'"
+    assert told["Allowed"][0].startswith("should be a number, with a point and no commas: 1.5")
+    lay({"deleted_rows": [0]})
+    assert editor(at).draft.tables["nodes.csv"] == rows[1:]
 
 
 def test_the_download_is_what_would_be_applied() -> None:
     at = opened()
-    at.number_input(key="scenario:station.chargers").set_value(8).run()
+    at.text_input(key="scenario:station.chargers").set_value("8").run()
     scenario = editor(at).check()[0]
     packed = zipped(scenario_files(scenario), "x")
     assert scenario_of(read_draft(read_zip(io.BytesIO(packed), "x.zip"))) == scenario

@@ -51,7 +51,7 @@ def test_prices_by_the_hour_can_be_edited(live: LivePage) -> None:
     grid = live.page.locator("[data-testid=stPopoverBody] canvas").first
     box = at_rest(grid)
     live.page.mouse.dblclick(box["x"] + box["width"] * 0.75, box["y"] + 52)
-    cell = live.page.locator("#portal input, input.gdg-input").first
+    cell = live.page.locator("#portal textarea, #portal input, input.gdg-input").first
     cell.fill("0.9")
     cell.press("Enter")
     live.page.get_by_text("energy price of 1 interval").wait_for()

@@ -30,7 +30,7 @@ def press(page: Page, key: str) -> None:
 
 
 def fill(page: Page, label: str, value: str) -> None:
-    field = page.get_by_role("spinbutton", name=label)
+    field = page.get_by_role("textbox", name=label)
     field.fill(value)
     field.press("Enter")
     settle(page)
@@ -52,12 +52,12 @@ def test_a_scenario_handed_out_and_taken_in_again_is_the_same(live: LivePage) ->
     page.locator(".st-key-scenario_from").get_by_role("combobox").click()
     page.get_by_role("option", name="Voltage limited").click()
     press(page, "take_scenario")
-    expect(page.get_by_role("spinbutton", name="How many vehicles can charge")).to_have_value("140")
+    expect(page.get_by_role("textbox", name="How many vehicles can charge")).to_have_value("140")
     upload = {"name": "mine.zip", "mimeType": "application/zip", "buffer": first}
     page.locator(".st-key-scenario_upload input[type=file]").set_input_files(upload)
     page.get_by_text("mine.zip replaced the whole scenario").wait_for()
     settle(page)
-    expect(page.get_by_role("spinbutton", name="How many vehicles can charge")).to_have_value("7")
+    expect(page.get_by_role("textbox", name="How many vehicles can charge")).to_have_value("7")
     assert downloaded(page) == first
     press(page, "apply_scenario")
     page.get_by_text("A new day has begun on Summer weekday").wait_for()
@@ -129,7 +129,7 @@ def test_two_runs_are_pinned_and_compared(live: LivePage) -> None:
 
 
 def see_scenario(page: Page) -> None:
-    expect(page.get_by_role("spinbutton", name="How many vehicles can charge")).to_have_value("140")
+    expect(page.get_by_role("textbox", name="How many vehicles can charge")).to_have_value("140")
 
 
 def see_compare(page: Page) -> None:

@@ -77,7 +77,7 @@ def _compare(live: LivePage, admitted: int) -> None:
 
 def _scenario(page: Page) -> None:
     go(page, "Plan", "Scenario")
-    chargers = page.get_by_role("spinbutton", name="How many vehicles can charge")
+    chargers = page.get_by_role("textbox", name="How many vehicles can charge")
     expect(chargers).to_have_value("3")
     first = downloaded(page)
     upload = {"name": "mine.zip", "mimeType": "application/zip", "buffer": first}

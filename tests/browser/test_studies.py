@@ -41,7 +41,7 @@ def ask(page: Page, question: str, days: int) -> None:
             break
     settle(page)
     expect(box.get_by_role("combobox").first).to_have_value(question, timeout=PATIENCE_MS)
-    field = page.get_by_role("spinbutton", name="Days at every point")
+    field = page.get_by_role("textbox", name="Days at every point")
     field.fill(f"{days}")
     field.press("Enter")
     settle(page)

@@ -1,8 +1,10 @@
 """Let something happen now: choose it, read what it would break and what would help, apply it."""
 
 import streamlit as st
+from annotated_types import Ge, Le
 
 from evdash.domain.events import Event
+from evdash.domain.fields import LARGE
 from evdash.domain.outlook import Outlook
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
@@ -19,6 +21,7 @@ from evdash.ui.events.words import (
 )
 from evdash.ui.parts import small_table, view
 from evdash.ui.session import Session
+from evdash.ui.typed import ask_number
 from evdash.ui.words import clock, plain
 
 PREVIEW = "evdash_event"
@@ -85,6 +88,9 @@ def _happened(trace: Trace, ahead: Outlook) -> None:
 def _ask(trace: Trace, kind: str, said: dict[str, object]) -> None:
     """Remember what is to be looked at, or say what is wrong with it."""
     st.session_state.pop(PREVIEW, None)
+    if refused := tuple(field for field in said.values() if isinstance(field, Fault)):
+        _tell(refused)
+        return
     try:
         st.session_state[PREVIEW] = checked(trace, event_of(trace, kind, said))
     except (InputError, ValueError) as error:
@@ -106,15 +112,13 @@ def _said(trace: Trace, ahead: Outlook, choice: Choice) -> dict[str, object] | N
         return _element(trace)
     if about == "count":
         return _count(trace, choice)
-    change = st.number_input(
+    change = ask_number(
         "Change, %",
-        -100,
-        900,
         20,
-        5,
-        key="event_percent",
+        "event_percent",
+        (Ge(-100), Le(900)),
+        "Of every value in the hours chosen: 20 makes it a fifth more, -100 nothing.",
         width=120,
-        help="Of every value in the hours chosen: 20 makes it a fifth more, -100 nothing.",
     )
     return {"percent": change} | _span(ahead)
 
@@ -127,8 +131,14 @@ def _count(trace: Trace, choice: Choice) -> dict[str, object] | None:
         label = f"How many of {most}"
     if not most:
         return None
-    count = st.number_input(
-        label, 1, most, 1, key="event_count", width=150, help="Chargers from this hour on."
+    count = ask_number(
+        label,
+        1,
+        "event_count",
+        (Ge(1), Le(most)),
+        "Chargers from this hour on.",
+        whole=True,
+        width=150,
     )
     return {"count": count}
 
@@ -150,16 +160,13 @@ def _of_a_vehicle(trace: Trace, ahead: Outlook, choice: Choice) -> dict[str, obj
     last = there[vehicle].request.deadline_interval
     later = list(range(ahead.now + 1, last + 1))
     if "kwh" in choice.fields:
-        said["kwh"] = st.number_input(
+        said["kwh"] = ask_number(
             "More energy, kWh",
-            0.5,
-            1000.0,
             5.0,
-            0.5,
-            key="event_kwh",
+            "event_kwh",
+            (Ge(0.5), Le(1000)),
+            "From the grid, beside what was promised; granted as far as every promise leaves room.",
             width=150,
-            help="From the grid, beside what was promised; granted as far as every promise leaves "
-            "room.",
         )
     if "until" in choice.fields:
         said["until"] = _when(ahead, "Leaves at", [ahead.now, *later[:-1]], 0, f"leaves:{vehicle}")
@@ -182,16 +189,13 @@ def _element(trace: Trace) -> dict[str, object] | None:
         width=320,
         help="Lines, transformers and nodes that have a rating.",
     )
-    kva = st.number_input(
+    kva = ask_number(
         "New rating, kVA",
-        0.0,
-        1e9,
         round(0.8 * rated[element][1], 1),
-        10.0,
-        format="%g",
-        key=f"event_kva:{element}",
+        f"event_kva:{element}",
+        (Ge(0), Le(LARGE)),
+        "The apparent power it may carry from this hour on.",
         width=150,
-        help="The apparent power it may carry from this hour on.",
     )
     return {"element": element, "kva": kva}
 

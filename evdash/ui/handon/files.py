@@ -3,15 +3,18 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from weakref import WeakKeyDictionary
 from zoneinfo import available_timezones
 
 import streamlit as st
+from annotated_types import Ge, Le
 from streamlit.delta_generator import DeltaGenerator
 
 from evdash.charts.style import spans
 from evdash.domain.trace import Trace
-from evdash.errors import InputError
+from evdash.errors import Fault, InputError
 from evdash.files.draft import zipped
+from evdash.files.numbers import number_text
 from evdash.files.run_export import RunLabel, Verdict
 from evdash.files.scenario_folder import scenario_files
 from evdash.metrics.ageing import Thermal
@@ -26,9 +29,11 @@ from evdash.ui.apart import apart
 from evdash.ui.handon.checking import Checking
 from evdash.ui.parts import view
 from evdash.ui.session import Session
+from evdash.ui.typed import ask_number
 from evdash.ui.words import counted, file_stem, plain
 
 KEY = "evdash:handon"
+AMBIENT = "evdash:handon_ambient"
 POLL_SECONDS = 0.5
 SUPPLIES = (None, *(Current(*of) for of in ((1, 230.0), (3, 230.0), (1, 208.0), (1, 240.0))))
 """What outlets are usually connected to."""
@@ -45,6 +50,10 @@ class Wishes:
     zone: str
     current: Current | None
     interval: int
+
+
+wished: WeakKeyDictionary[Checking, Wishes] = WeakKeyDictionary()
+"""What was chosen last beside the files of a day."""
 
 
 def body(session: Session) -> None:
@@ -87,10 +96,15 @@ def _check_of(trace: Trace) -> Checking:
 
 
 def _body(session: Session, check: Checking, *, waiting: bool) -> None:
+    with session.rest.broken():
+        _stand(session, check, waiting=waiting)
+
+
+def _stand(session: Session, check: Checking, *, waiting: bool) -> None:
     if waiting and check.is_over:
         st.rerun()  # so that nobody looks for its results any more
     elif check.verdict is not None:
-        _files(session, check.verdict)
+        _files(session, check, check.verdict)
     elif waiting:
         _progress(check)
     else:
@@ -111,15 +125,24 @@ def _progress(check: Checking) -> None:
         check.cancel()
 
 
-def _files(session: Session, verdict: Verdict) -> None:
+def _files(session: Session, check: Checking, verdict: Verdict) -> None:
     trace = session.run.trace
     if edited(trace):
         st.warning(EDITED, icon=":material/edit_note:")
-    wishes = _wishes(session)
-    tell = partial(_account, trace, verdict, wishes)
+    wished[check] = _wishes(session)
+
+    def wishes() -> Wishes:
+        return wished[check]  # those of the moment of a click, which may follow upon another wish
+
+    def tell() -> Account:
+        return _account(trace, verdict, wishes())
+
     stem = file_stem(trace.scenario.name)
     scenario = partial(_scenario_zip, trace, stem)
-    ocpp = partial(profiles_zip, trace, wishes.zone, wishes.current)
+
+    def ocpp() -> bytes:
+        return profiles_zip(trace, wishes().zone, wishes().current)
+
     files: tuple[tuple[str, str, str, str, Callable[[], bytes]], ...] = (
         ("Report", "report.html", "text/html", REPORT, lambda: report_html(tell()).encode()),
         ("Workbook", "run.xlsx", XLSX, WORKBOOK, lambda: workbook_bytes(tell())),
@@ -131,14 +154,14 @@ def _files(session: Session, verdict: Verdict) -> None:
             "pandapower.json",
             "application/json",
             NETWORK,
-            lambda: network_json(trace, wishes.interval).encode(),
+            lambda: network_json(trace, wishes().interval).encode(),
         ),
     )
     for name, ending, kind, told, make in files:
         left, right = st.columns([1, 2.4], vertical_alignment="center")
         left.download_button(
             name,
-            make,
+            session.rest.then(make),
             f"{stem}-{ending}",
             kind,
             key=f"handon_{ending}",
@@ -179,15 +202,8 @@ def _wishes(session: Session) -> Wishes:
             placeholder="No line has a rating",
             disabled=not names,
         )
-        ambient_c = right.number_input(
-            "Temperature around it, °C",
-            -50.0,
-            70.0,
-            Thermal().ambient_c,
-            1.0,
-            key="handon_ambient",
-            help="The same all day, for the transformer's ageing.",
-        )
+        with right:
+            ambient_c = _ambient_c()
         zone = left.selectbox(
             "Time zone of the day, for OCPP",
             sorted(available_timezones()),
@@ -225,6 +241,23 @@ def _current(trace: Trace, zone: str, place: DeltaGenerator) -> Current | None:
         st.warning(plain(str(error)), icon=":material/warning:")
         return None
     return current
+
+
+def _ambient_c() -> float:
+    """The temperature typed, or the last that could be read; °C."""
+    number = ask_number(
+        "Temperature around it, °C",
+        Thermal().ambient_c,
+        "handon_ambient",
+        (Ge(-50), Le(70)),
+        "The same all day, for the transformer's ageing.",
+    )
+    if isinstance(number, Fault):
+        held = float(st.session_state.get(AMBIENT, Thermal().ambient_c))
+        st.caption(f"The files go on assuming {number_text(held)} °C.")
+        return held
+    st.session_state[AMBIENT] = number
+    return float(number)
 
 
 def _account(trace: Trace, verdict: Verdict, wishes: Wishes) -> Account:

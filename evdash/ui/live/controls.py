@@ -4,24 +4,27 @@ Widgets never own the truth. What was typed is compared with what was last shown
 difference is an edit, and afterwards every widget shows the scenario again. That also holds
 where a script run was aborted half-way: the difference is then found by the next one. The truth
 is each widget's default, too: a browser that gets two script runs at once forgets what the first
-had set, and would show, and hand in, the lowest number there is.
+had set, and would show, and hand in, blanks.
 """
 
-from collections.abc import MutableMapping
+from collections.abc import Mapping, MutableMapping
 from typing import Any
 
 import streamlit as st
 
 from evdash.domain.outlook import Outlook
+from evdash.errors import Fault
+from evdash.files.numbers import number_text
+from evdash.files.wording import beyond
 from evdash.ui.apart import one_click
 from evdash.ui.curves import CURVES, curve_prices, curve_title
+from evdash.ui.live.prices import price_editor, refused_prices, take_prices
 from evdash.ui.session import PRESET, Session, bundled, bundled_names
 from evdash.ui.settings import (
     NETWORK_NAMES,
     Control,
     all_controls,
     arrival_controls,
-    bounds,
     charger_control,
     edit_log,
     help_text,
@@ -29,7 +32,8 @@ from evdash.ui.settings import (
     price_field,
     setting_labels,
 )
-from evdash.ui.words import clock, plain
+from evdash.ui.typed import refuse
+from evdash.ui.words import plain
 
 CURVE, NETWORK = "price_curve", "network"
 OWN = ""
@@ -39,30 +43,55 @@ NETWORK_HELP = (
     "paper, leaves out losses and so allows too much where the feeder is loaded; full AC power "
     "flow counts them."
 )
-PRICE_COLUMN = "Price, $/kWh"
 
 
-def take_edits(session: Session) -> None:
-    """Apply what was typed since the widgets were last shown, then show the truth again."""
-    typed = {key: st.session_state[key] for key in session.shown if key in st.session_state}
+def take_edits(session: Session) -> bool:
+    """Apply what was typed since the widgets were last shown, then show the truth again.
+
+    Whether all of it could be applied. A text that is no number, or none that is allowed, stays in
+    its field, and what was in force stays so.
+    """
+    state = st.session_state
     new = {
-        key: value
-        for key, value in typed.items()
-        if value is not None and value != session.shown[key]
+        key: state[key]
+        for key in session.shown
+        if key in state and state[key] is not None and state[key] != session.shown[key]
     }
+    before = session.run
+    taken = take_prices(session)
     if PRESET in new and new[PRESET] != OWN:
+        session.refused.clear()
+        session.price_refused.clear()
         session.open(bundled_names()[new[PRESET]])
         new = {}
     if NETWORK in new:
         session.rewire(new.pop(NETWORK))
     if CURVE in new:
         take_curve(session, new.pop(CURVE))
-    settings = {c.key: c for c in all_controls(session.run.trace.scenario) if c.key in new}
+    taken = _take_numbers(session, new) and taken
+    answered = session.run is not before and session.run.answer is not None
+    show_truth(session, state)
+    return taken and not answered
+
+
+def _take_numbers(session: Session, new: Mapping[str, object]) -> bool:
+    scenario = session.run.trace.scenario
+    read = {c.key: c.read(str(new[c.key])) for c in all_controls(scenario) if c.key in new}
+    for key in read:
+        session.refused.pop(key, None)
+    wrong = [key for key, number in read.items() if isinstance(number, Fault)]
+    session.refused |= {key: str(new[key]) for key in wrong}
+    truth = {c.key: c.value for c in all_controls(scenario)}
+    settings = {
+        key: number
+        for key, number in read.items()
+        if not isinstance(number, Fault) and number != truth[key]
+    }
     if settings:
-        labels = setting_labels(session.run.trace.scenario)
-        title = ", ".join(f"{plain(labels[key])} {new[key]:g}" for key in settings)
-        session.edit(title, {key: new[key] for key in settings})
-    show_truth(session, st.session_state)
+        labels = setting_labels(scenario)
+        title = ", ".join(f"{plain(labels[key])} {number:g}" for key, number in settings.items())
+        session.edit(title, settings)
+    return not wrong
 
 
 def take_curve(session: Session, curve: str) -> None:
@@ -72,7 +101,10 @@ def take_curve(session: Session, curve: str) -> None:
 
 def show_truth(session: Session, state: MutableMapping[Any, Any]) -> None:
     """Set every widget to what is in force, unless it shows it already."""
-    truth: dict[str, object] = {c.key: c.value for c in all_controls(session.run.trace.scenario)}
+    controls = all_controls(session.run.trace.scenario)
+    truth: dict[str, object] = {
+        c.key: session.refused.get(c.key, number_text(c.value)) for c in controls
+    }
     truth[PRESET] = session.run.folder.name if session.run.folder else OWN
     truth[NETWORK] = session.run.trace.inputs.network
     truth[CURVE] = session.once("curve", lambda: curve_in_force(session))
@@ -110,10 +142,11 @@ def sidebar(session: Session, outlook: Outlook) -> None:
             help="A day that is ready to be stepped. Another one begins anew; Undo brings back "
             "this one with all its hours.",
         )
-        _pair(arrival_controls(scenario))
-        _number(charger_control(scenario))
+        _pair(session, arrival_controls(scenario))
+        _number(session, charger_control(scenario))
+        _refusal(session, charger_control(scenario))
         for name, price, rate in option_controls(scenario):
-            _pair([price, rate], prefix=f"{plain(name)} ")
+            _pair(session, [price, rate], prefix=f"{plain(name)} ")
         st.segmented_control(
             "Energy price",
             list(CURVES),
@@ -141,70 +174,56 @@ def sidebar(session: Session, outlook: Outlook) -> None:
         if box.open:
             with box:
                 price_editor(session, outlook)
+        refused_prices(session, outlook)
         _in_force(session, outlook)
 
 
-def _pair(controls: list[Control], prefix: str = "") -> None:
+def _pair(session: Session, controls: list[Control], prefix: str = "") -> None:
     if controls:
         for column, one in zip(st.columns(2, gap="xsmall"), controls, strict=True):
             with column:
-                _number(one, prefix)
+                _number(session, one, prefix)
+        for one in controls:
+            _refusal(session, one, prefix)
 
 
-def _number(control: Control, prefix: str = "") -> None:
-    st.number_input(
-        prefix + control.label,
-        min_value=control.low,
-        max_value=control.high,
-        value=control.value,
-        step=control.step,
-        format="%d" if control.is_count else "%g",
-        key=control.key,
-        help=control.help,
-    )
+def _number(session: Session, control: Control, prefix: str = "") -> None:
+    """A field of text; for counts with a step down and up, which look as if they were in it."""
+    key = control.key
+    with st.container(key=f"typed-{key.replace('.', '-')}"):
+        st.text_input(
+            prefix + control.label,
+            str(session.shown[key]),
+            key=key,
+            help=f"{control.help}{'' if control.is_count else ' With a point for decimals.'}",
+        )
+        if control.is_count:
+            with st.container(key=f"steps-{key.replace('.', '-')}", horizontal=True, gap=None):
+                for by, sign in ((-1, "−"), (1, "\\+")):
+                    st.button(
+                        sign,
+                        on_click=one_click(_nudge),
+                        args=(session, key, by),
+                        key=f"{key}:{by:+d}",
+                        type="tertiary",
+                        disabled=bool(beyond(control.value + by, control.marks)),
+                        help=f"{'One more' if by > 0 else 'One less'}: {control.label}.",
+                    )
 
 
-def price_editor(session: Session, outlook: Outlook) -> None:
-    """Energy prices still to come as a table; an edit counts at once.
+def _nudge(session: Session, key: str, by: int) -> None:
+    now = next(c.value for c in all_controls(session.run.trace.scenario) if c.key == key)
+    st.session_state[key] = number_text(now + by)
+    take_edits(session)
 
-    The editor keeps only differences to the table it was given, so that stays the same
-    until prices change elsewhere, or an edit is refused, and then the editor begins anew.
-    """
-    # half a second that the first page is not to wait for
-    import pandas as pd  # noqa: PLC0415
 
-    trace = session.run.trace
-    first = 0 if trace.is_over else trace.now
-    prices = tuple(trace.scenario.price_per_kwh[first:].tolist())
-    if prices != session.price_latest:
-        session.price_base = session.price_latest = prices
-        session.price_revision += 1
-    times = [clock(moment, outlook) for moment in outlook.times[first:-1]]
-    st.caption("Applies to the next run." if trace.is_over else "Hours already decided are fixed.")
-    low, high = bounds(price_field())
-    table = st.data_editor(
-        pd.DataFrame({"From": times, PRICE_COLUMN: session.price_base}),
-        key=f"prices:{session.price_revision}",
-        hide_index=True,
-        disabled=["From"],
-        height=420,
-        column_config={
-            PRICE_COLUMN: st.column_config.NumberColumn(
-                help=help_text(price_field()),
-                min_value=low,
-                max_value=high,
-                format="%.4f",
-                required=True,
-            )
-        },
-        alt="Energy price of every interval still to come, editable",
-    )
-    edited = tuple(float(price) for price in table[PRICE_COLUMN])
-    if edited != session.price_latest:
-        session.price_latest = edited
-        past = tuple(trace.scenario.price_per_kwh[:first].tolist())
-        session.edit("the edited energy prices", {}, (*past, *edited))
-        st.rerun()
+def _refusal(session: Session, control: Control, prefix: str = "") -> None:
+    """What is wrong with what was typed, beside what is in force."""
+    text = session.refused.get(control.key)
+    wrong = None if text is None else control.read(text)
+    if isinstance(wrong, Fault):
+        held = f"{prefix}{control.label} stays {number_text(control.value)}."
+        refuse(wrong, held)
 
 
 def _in_force(session: Session, outlook: Outlook) -> None:

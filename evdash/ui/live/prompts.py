@@ -1,17 +1,20 @@
 """What if: a teacher's prompts, a vehicle added by hand, prepared cases, and print."""
 
 import streamlit as st
+from annotated_types import Ge
 from pydantic import ValidationError
 
 from evdash.domain.scenario import Arrival
+from evdash.errors import Fault
 from evdash.horizon.guests import guest_name
 from evdash.ui.apart import one_click
 from evdash.ui.cases.case import Case, seen
 from evdash.ui.cases.lecture import CASES
 from evdash.ui.parts import small_table
 from evdash.ui.session import Session, bundled, bundled_names
-from evdash.ui.settings import bounds, help_text
+from evdash.ui.settings import help_text
 from evdash.ui.telling import told_later
+from evdash.ui.typed import ask_number
 from evdash.ui.whatif import prompts
 from evdash.ui.words import plain
 
@@ -26,7 +29,7 @@ def prompts_row(session: Session) -> None:
             st.button(
                 plain(prompt.label),
                 on_click=one_click(session.press),
-                args=(prompt,),
+                args=(prompt.key,),
                 key=f"prompt_{prompt.key}",
                 help=f"{prompt.help} See before and after; Undo takes it back.",
                 disabled=prompt.change is None or session.mode == "finishing",
@@ -64,7 +67,6 @@ def add_pev(session: Session) -> None:
     """Ask what the vehicle wants, and have it come."""
     scenario = session.run.trace.scenario
     fields = Arrival.model_fields
-    low, high = (None if one is None else float(one) for one in bounds(fields["battery_kwh"]))
     with st.form("pev", border=False):
         option = st.radio(
             "Price option",
@@ -73,15 +75,19 @@ def add_pev(session: Session) -> None:
             horizontal=True,
             help=help_text(fields["option"]),
         )
-        battery_kwh = st.number_input(
-            "Battery, kWh", low, high, 60.0, help=help_text(fields["battery_kwh"])
+        battery_kwh = ask_number(
+            "Battery, kWh",
+            60.0,
+            "pev_battery",
+            fields["battery_kwh"].metadata,
+            help_text(fields["battery_kwh"]),
         )
         percents = st.slider(
             "Charge from … to, % of the battery", 0, 100, (30, 80), help=help_text(fields["soc_in"])
         )
-        max_kw = st.number_input("On-board charger, kW", 0.1, None, 11.0, help=MAX_KW_HELP)
+        max_kw = ask_number("On-board charger, kW", 11.0, "pev_kw", (Ge(0.1),), MAX_KW_HELP)
         sent = st.form_submit_button("Ask for a charge", type="primary")
-    if sent:
+    if sent and not any(isinstance(number, Fault) for number in (battery_kwh, max_kw)):
         try:
             guest = Arrival(
                 vehicle=guest_name(session.run.trace),

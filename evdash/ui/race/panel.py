@@ -67,16 +67,18 @@ def _start(racing: Racing, inputs: Inputs, chosen: list[str]) -> None:
             icon=":material/stop:",
         )
         return
-    st.button(
+    pressed = st.button(
         "Race",
-        on_click=one_click(racing.start),
-        args=(inputs, chosen),
         key="race_start",
         type="primary",
         icon=":material/flag:",
         disabled=not chosen,
         help="Takes from seconds to a minute, beside everything else.",
     )
+    # not in a callback, whose arguments would be those of the page as it was before the press
+    if pressed and chosen:
+        racing.start(inputs, chosen)
+        st.rerun()
 
 
 def _watch(racing: Racing) -> None:

@@ -1,6 +1,6 @@
 """The draft a tab is working on: what was typed so far, what it came from, what was said of it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from evdash.files.draft import Draft, Rows, draft_of, files_of, scenario_of
 from evdash.files.scenario_folder import SETTINGS
 from evdash.files.validate import Raw
 from evdash.imports.scenario_book import ScenarioBook
+from evdash.ui.downloads import Rest
 from evdash.ui.edits import with_settings_kept
 from evdash.ui.scenario.waiting import WaitingNetwork, WaitingTable
 from evdash.ui.session import Session
@@ -34,19 +35,22 @@ class Said:
 
 
 class Editor:
-    """One tab's draft. Widgets never own it: what they return is laid over it at once.
+    """One tab's draft. Widgets never own it: what is typed is laid over it before all else.
 
-    `shown` is what each widget showed last, so that a difference is known for an edit;
-    `revision` of a table counts how often it was replaced from elsewhere, as a table editor
-    keeps only differences to what it was first given.
+    `shown` is what each widget showed last, so that a difference is known for an edit, and
+    `laid` how an edit is laid over the draft, by the widgets' keys; `revision` of a table counts
+    how often it was replaced from elsewhere, as a table editor keeps only differences to what it
+    was first given; `text` is a scenario.toml as typed that cannot be taken over yet.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, rest: Rest) -> None:
         self.base = scenario
+        self.rest = rest
         self.draft = self.clean = draft_of(scenario)
         self.shown: dict[str, object] = {}
+        self.laid: dict[str, Callable[[Any], None]] = {}
         self.bases: dict[str, Rows] = {}
-        self.grids: dict[str, list[dict[str, Any]]] = {}
+        self.text: str | None = None
         self.revision = 0
         self.said: Said | None = None
         self.uploads = 0
@@ -101,6 +105,7 @@ class Editor:
 
     def _show(self, draft: Draft) -> None:
         self.draft = draft
+        self.text = None
         self.revision += 1
 
     def get(self, path: tuple[str, ...]) -> Any:
@@ -119,6 +124,14 @@ class Editor:
     def set_rows(self, file: str, rows: Rows) -> None:
         """Lay rows over a table."""
         self.draft = self.draft.with_table(file, rows)
+
+    def take_typed(self) -> bool:
+        """Lay all over the draft that was typed since it was shown. It can take anything."""
+        for key, lay in self.laid.items():
+            if key in st.session_state and st.session_state[key] != self.shown[key]:
+                self.shown[key] = st.session_state[key]
+                lay(st.session_state[key])
+        return True
 
     def check(self) -> tuple[Scenario | None, tuple[Fault, ...]]:
         """The scenario the draft stands for, or every fault that keeps it from being one."""
@@ -184,7 +197,7 @@ def current_editor(session: Session) -> Editor:
     """This tab's draft. As long as nothing in it was edited it follows the present run."""
     scenario = present_scenario(session)
     if KEY not in st.session_state:
-        st.session_state[KEY] = Editor(scenario)
+        st.session_state[KEY] = Editor(scenario, session.rest)
     editor: Editor = st.session_state[KEY]
     if not editor.is_edited and editor.base != scenario:
         editor.follow(scenario)

@@ -77,14 +77,14 @@ def feeder_form(editor: Editor) -> None:
             _leave_button(editor)
             return
         with next(places):
-            station = _station(editor, waiting, imported, source)
+            _station(editor, waiting, imported, source)
         with st.expander(f"How {name} is converted"):
             st.markdown("\n".join(f"- {plain(note)}" for note in imported.notices))
         with st.container(horizontal=True):
             st.button(
                 "Take the network in",
                 on_click=one_click(_take),
-                args=(editor, waiting, imported, station),
+                args=(editor,),
                 key="confirm_network",
                 type="primary",
                 icon=":material/check:",
@@ -99,7 +99,7 @@ def _source(waiting: WaitingNetwork) -> str:
         "Supplied from",
         list(supplies),
         format_func=supplies.__getitem__,
-        key=f"network:{waiting.number}:source",
+        key=_source_key(waiting),
         help="The file has several external grids. A feeder has one; what another supplies is "
         "left out.",
     )
@@ -107,22 +107,40 @@ def _source(waiting: WaitingNetwork) -> str:
 
 def _station(
     editor: Editor, waiting: WaitingNetwork, imported: ImportedFeeder, source: str | None
-) -> str:
+) -> None:
     feeder = imported.feeder
     loads = {node.node: node.load_kw for node in feeder.nodes if node.node != feeder.source_node}
     usual = station_in(editor.draft, feeder)
-    return st.selectbox(
+    st.selectbox(
         f"The station stands at, of {counted(len(loads), 'node')} and {feeder.load_kw:,.0f} kW",
         list(loads),
         index=list(loads).index(usual),
         format_func=lambda node: f"{node} · {loads[node] or 0:,.4g} kW of load",
-        key=f"network:{waiting.number}:{source}:station",
+        key=_station_key(waiting, source),
         help="Proposed is the node the station has now, where there is one of that name; else "
         "the one with the largest load.",
     )
 
 
-def _take(editor: Editor, waiting: WaitingNetwork, imported: ImportedFeeder, station: str) -> None:
+def _source_key(waiting: WaitingNetwork) -> str:
+    return f"network:{waiting.number}:source"
+
+
+def _station_key(waiting: WaitingNetwork, source: str | None) -> str:
+    return f"network:{waiting.number}:{source}:station"
+
+
+def _take(editor: Editor) -> None:
+    """Take in what the form says at the press, which may have come right after a choice in it."""
+    waiting = editor.network
+    if waiting is None:
+        return
+    source = st.session_state.get(_source_key(waiting))
+    station = st.session_state.get(_station_key(waiting, source))
+    if station is None:
+        st.toast("Another supply was chosen just now: see where the station stands, then go on.")
+        return
+    imported = waiting.feeder(source)
     changed, told = with_network(editor.draft, imported, station)
     editor.network = st.session_state[SHIPPED_KEY] = None
     said = f"{plain(waiting.name)} replaced the feeder; the station stands at {plain(station)}."

@@ -1,15 +1,19 @@
 """One widget for one key of scenario.toml, labelled and explained by the key's declaration."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import streamlit as st
 from pydantic.fields import FieldInfo
 
+from evdash.errors import Fault
+from evdash.files.numbers import number_rule, number_text, read_number
 from evdash.files.overrides import parse_setting
-from evdash.files.wording import allowed_words
+from evdash.files.wording import allowed_words, shown
 from evdash.ui.scenario.editor import Editor
 from evdash.ui.settings import unit_of
+from evdash.ui.typed import refuse
 
 MISSING = object()
 
@@ -27,79 +31,89 @@ def help_of(field: FieldInfo, key: str) -> str:
     return f"{f'Allowed: {allowed}. ' if allowed else ''}In scenario.toml: `{key}`."
 
 
-def synced(editor: Editor, name: str, value: object) -> tuple[str, Any]:
-    """The key of a widget and what was typed into it since it was last shown, else MISSING.
-
-    Afterwards the widget shows `value`, or what was typed if the caller lays that over the draft.
-    """
+def bound(editor: Editor, name: str, value: object, lay: Callable[[Any], None]) -> str:
+    """The key of a widget that shows `value`; what is typed into it will be handed to `lay`."""
     key = f"scenario:{name}"
-    typed = st.session_state.get(key, MISSING)
-    is_edit = typed is not MISSING and key in editor.shown and typed != editor.shown[key]
-    truth = typed if is_edit else value
-    if typed is MISSING or typed != truth:
-        st.session_state[key] = truth
-    editor.shown[key] = truth
-    return key, typed if is_edit else MISSING
+    if st.session_state.get(key, MISSING) != value:
+        st.session_state[key] = value
+    editor.shown[key] = value
+    editor.laid[key] = lay
+    return key
 
 
 def number(editor: Editor, path: tuple[str, ...], field: FieldInfo, *, whole: bool = False) -> None:
-    """A number; as text where what stands there is none."""
-    value = editor.get(path)
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number and value is not None:
-        _as_text(editor, path, field, value)
-        return
-    kind = int if whole else float
-    if whole and isinstance(value, float) and not value.is_integer():
-        _as_text(editor, path, field, value)
-        return
-    key, typed = synced(editor, ".".join(path), None if value is None else kind(value))
-    if typed is not MISSING:
-        editor.set(path, typed)
-    st.number_input(
-        label_of(field),
-        value=None,
-        step=kind(1) if whole else _step(field, value),
-        format="%d" if whole else "%g",
-        key=key,
-        help=help_of(field, ".".join(path)),
-    )
+    """A number. What is typed and is none stands in the draft as it is, and is a fault of it."""
+    dotted = ".".join(path)
+
+    def lay(typed: str) -> None:
+        editor.set(path, as_typed(typed, whole=whole))
+
+    _number(editor, dotted, field, editor.get(path), lay, label=label_of(field), whole=whole)
 
 
-def _step(field: FieldInfo, value: object) -> float:
-    """A step that suits the value: hundredths where it is a share, a price or a voltage."""
-    size = abs(float(value)) if isinstance(value, int | float) else 0.0
-    return 0.01 if size < 2 else 0.1 if size < 20 else 1.0
+def _number(
+    editor: Editor,
+    name: str,
+    field: FieldInfo,
+    value: object,
+    lay: Callable[[str], None],
+    *,
+    label: str,
+    whole: bool = False,
+) -> None:
+    key = bound(editor, name, text_of(value), lay)
+    st.text_input(label, key=key, help=help_of(field, name))
+    if isinstance(value, str):
+        refuse(Fault(label, shown(value), number_rule(value, whole=whole)))
+
+
+def as_typed(text: str, *, whole: bool = False) -> int | float | str | None:
+    """What a cell or field of a number puts into a draft: the number, or else the text itself.
+
+    None for nothing.
+    """
+    if not text.strip():
+        return None
+    try:
+        return read_number(text, whole=whole)
+    except ValueError:
+        return text.strip()
+
+
+def text_of(value: object) -> str:
+    """A value of a draft as the text of a field or cell."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return number_text(value)
+    return "" if value is None else str(value)
 
 
 def _as_text(editor: Editor, path: tuple[str, ...], field: FieldInfo, value: object) -> None:
     dotted = ".".join(path)
-    key, typed = synced(editor, f"{dotted}:text", str(value))
-    if typed is not MISSING:
+
+    def lay(typed: str) -> None:
         editor.set(path, parse_setting(f"{dotted}={typed}").value)
+
+    key = bound(editor, f"{dotted}:text", str(value), lay)
     st.text_input(label_of(field), key=key, help=help_of(field, dotted))
 
 
 def text(editor: Editor, path: tuple[str, ...], field: FieldInfo) -> None:
     """A text; a moment as YYYY-MM-DDTHH:MM."""
     value = editor.get(path)
-    shown = value.strftime("%Y-%m-%dT%H:%M") if hasattr(value, "strftime") else value
-    key, typed = synced(editor, ".".join(path), "" if shown is None else str(shown))
-    if typed is not MISSING:
-        editor.set(path, typed)
+    told = value.strftime("%Y-%m-%dT%H:%M") if hasattr(value, "strftime") else value
+    key = bound(editor, ".".join(path), text_of(told), partial(editor.set, path))
     st.text_input(label_of(field), key=key, help=help_of(field, ".".join(path)))
 
 
 def choice(editor: Editor, path: tuple[str, ...], field: FieldInfo, options: Sequence[str]) -> None:
     """One of the names there are, or another one typed."""
     value = str(editor.get(path) or "")
-    key, typed = synced(editor, ".".join(path), value)
-    if typed is not MISSING:
-        editor.set(path, typed or "")
-    now = str(st.session_state[key] or "")
+    key = bound(editor, ".".join(path), value, lambda typed: editor.set(path, typed or ""))
     st.selectbox(
         label_of(field),
-        list(dict.fromkeys([*options, *([now] if now else [])])),
+        list(dict.fromkeys([*options, *([value] if value else [])])),
         key=key,
         accept_new_options=True,
         help=help_of(field, ".".join(path)),
@@ -109,21 +123,17 @@ def choice(editor: Editor, path: tuple[str, ...], field: FieldInfo, options: Seq
 def pair(editor: Editor, path: tuple[str, ...], field: FieldInfo, names: tuple[str, str]) -> None:
     """A list of two numbers; as text where it is none."""
     value = editor.get(path)
-    dotted = ".".join(path)
-    numbers = isinstance(value, list) and all(isinstance(part, int | float) for part in value)
-    if not numbers or len(value) != 2:
+    if not isinstance(value, list) or len(value) != 2:
         _as_text(editor, path, field, value)
         return
+
+    def lay(typed: str, place: int) -> None:
+        now = list(editor.get(path))
+        now[place] = as_typed(typed) if typed.strip() else ""
+        editor.set(path, now)
+
     for column, place, name in zip(st.columns(2), (0, 1), names, strict=True):
-        key, typed = synced(editor, f"{dotted}.{place}", float(value[place]))
-        if typed is not MISSING and typed is not None:
-            value = [*value[:place], typed, *value[place + 1 :]]
-            editor.set(path, value)
+        label = f"{label_of(field).partition(',')[0]}: {name}"
         with column:
-            st.number_input(
-                f"{label_of(field).partition(',')[0]}: {name}",
-                step=0.01,
-                format="%g",
-                key=key,
-                help=f"{label_of(field)}. {help_of(field, dotted)}",
-            )
+            dotted = f"{'.'.join(path)}.{place}"
+            _number(editor, dotted, field, value[place], partial(lay, place=place), label=label)

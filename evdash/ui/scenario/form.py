@@ -1,5 +1,7 @@
 """The draft in sections: day and station, feeder, prices and loads, vehicles, the text itself."""
 
+from functools import partial
+
 import streamlit as st
 
 from evdash.domain.events import EVENT_FORMS
@@ -16,7 +18,7 @@ from evdash.files.draft import drawn, listed, read_settings, settings_text
 from evdash.files.scenario_folder import SETTINGS
 from evdash.ui.scenario import fields
 from evdash.ui.scenario.editor import Editor, Said
-from evdash.ui.scenario.fields import MISSING, synced
+from evdash.ui.scenario.fields import bound
 from evdash.ui.scenario.options import hourly_share, options, statistics_path
 from evdash.ui.scenario.tables import table
 from evdash.ui.session import bundled
@@ -133,17 +135,7 @@ def events(editor: Editor) -> None:
 
 def _kind(editor: Editor) -> None:
     """The switch between drawn and listed vehicles; either way what is there is carried over."""
-    kind = editor.draft.is_recorded
-    key, typed = synced(editor, "kind", kind)
-    if typed is not MISSING and typed is not kind:
-        try:
-            changed = listed(editor.draft) if typed else drawn(editor.draft, bundled(DEFAULT))
-        except InputError as error:
-            title = "The vehicles cannot be drawn before these faults are mended."
-            editor.said = Said(title, error.faults)
-            st.session_state[key] = editor.shown[key] = kind
-        else:
-            editor.take(changed)
+    key = bound(editor, "kind", editor.draft.is_recorded, partial(_switch, editor))
     st.segmented_control(
         "Where vehicles come from",
         list(KINDS),
@@ -155,20 +147,34 @@ def _kind(editor: Editor) -> None:
     )
 
 
+def _switch(editor: Editor, is_recorded: bool) -> None:
+    try:
+        changed = listed(editor.draft) if is_recorded else drawn(editor.draft, bundled(DEFAULT))
+    except InputError as error:
+        title = "The vehicles cannot be drawn before these faults are mended."
+        editor.said = Said(title, error.faults)
+    else:
+        editor.take(changed)
+
+
 def as_text(editor: Editor) -> None:
     """scenario.toml itself, for whatever the other sections cannot show."""
     st.caption(
         "What the other sections show, as the file `scenario.toml` has it. Every key is "
         "explained in `docs/scenario.md`."
     )
-    key, typed = synced(editor, "text", settings_text(editor.draft.settings))
-    if typed is not MISSING:
-        settings, faults = read_settings(str(typed).encode())
-        if faults:
-            editor.said = Said("The text is not taken over yet.", tuple(faults))
-        else:
-            editor.take(editor.draft.with_settings(settings))
+    told = settings_text(editor.draft.settings) if editor.text is None else editor.text
+    key = bound(editor, "text", told, partial(_take_text, editor))
     st.text_area("scenario.toml", key=key, height=560, help=f"The text of {SETTINGS}.")
+
+
+def _take_text(editor: Editor, text: str) -> None:
+    settings, faults = read_settings(text.encode())
+    if faults:
+        editor.text = text
+        editor.said = Said("The text is not taken over yet.", tuple(faults))
+    else:
+        editor.take(editor.draft.with_settings(settings))
 
 
 def node_names(editor: Editor) -> list[str]:

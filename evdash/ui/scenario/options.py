@@ -2,13 +2,15 @@
 
 from typing import Any
 
-import pandas as pd
 import streamlit as st
 
 from evdash.domain.scenario import ArrivalStatistics, PriceOption
+from evdash.files.draft import Rows
 from evdash.files.wording import allowed_words
 from evdash.ui.scenario.editor import Editor
-from evdash.ui.scenario.fields import label_of
+from evdash.ui.scenario.fields import as_typed, label_of, text_of
+from evdash.ui.scenario.tables import grid
+from evdash.ui.typed import number_column
 
 SHARE = "share"
 HOUR, HOURLY = "clock hour", "share of arrivals"
@@ -28,38 +30,38 @@ def options(editor: Editor) -> None:
         st.warning("The price options cannot be shown as a table; see **As text**.")
         return
     names = list(PriceOption.model_fields)
-    rows = [{name: option.get(name) for name in names} for option in listed]
+    rows = [{name: text_of(option.get(name)) for name in names} for option in listed]
     if isinstance(shares, dict):
-        rows = [row | {SHARE: shares.get(str(row["name"]))} for row in rows]
-    edited = _edited(editor, "options", rows, _columns(), dynamic=True)
-    if edited is None:
-        return
-    kept = [row for row in edited if any(value is not None for value in row.values())]
-    editor.set(
-        ("option",),
-        [{name: row[name] for name in names if row[name] is not None} for row in kept],
-    )
-    if isinstance(shares, dict):
-        known = {str(row["name"]): row[SHARE] for row in kept if row["name"] is not None}
-        editor.set(path, {name: share for name, share in known.items() if share is not None})
+        rows = [row | {SHARE: text_of(shares.get(row["name"]))} for row in rows]
+
+    def lay(typed: Rows) -> None:
+        kept = [row for row in typed if any(row.values())]
+        told = [{name: _typed(name, row[name]) for name in names if row[name]} for row in kept]
+        editor.set(("option",), told)
+        if isinstance(shares, dict):
+            known = {row["name"]: as_typed(row[SHARE]) for row in kept if row["name"]}
+            editor.set(path, {name: share for name, share in known.items() if share is not None})
+
+    columns = [*names, SHARE] if isinstance(shares, dict) else names
+    grid(editor, "options", tuple(rows), columns, lay, columns=_columns())
+
+
+def _typed(name: str, text: str) -> object:
+    return text if name == "name" else as_typed(text)
 
 
 def _columns() -> dict[str, Any]:
     fields = PriceOption.model_fields
     share = ArrivalStatistics.model_fields["option_share"]
     columns: dict[str, Any] = {
-        name: st.column_config.NumberColumn(
-            name,
-            help=f"{label_of(field)}. Allowed: {allowed_words(field)}.",
-            format="%g",
-        )
+        name: number_column(name, f"{label_of(field)}. Allowed: {allowed_words(field)}.")
         for name, field in fields.items()
         if name != "name"
     }
     columns["name"] = st.column_config.TextColumn(
         "name", help=label_of(fields["name"]), width="small"
     )
-    columns[SHARE] = st.column_config.NumberColumn(SHARE, help=label_of(share), format="%g")
+    columns[SHARE] = number_column(SHARE, label_of(share))
     return columns
 
 
@@ -68,46 +70,17 @@ def hourly_share(editor: Editor) -> None:
     path = (*statistics_path(editor), "hourly_share")
     shares = editor.get(path)
     field = ArrivalStatistics.model_fields["hourly_share"]
-    fits = isinstance(shares, list) and len(shares) == 24
-    if not fits or not all(isinstance(share, int | float) for share in shares):
+    if not isinstance(shares, list) or len(shares) != 24:
         st.warning("hourly_share is not a list of 24 numbers; see **As text**.")
         return
     st.caption(label_of(field))
     rows = [
-        {HOUR: f"{hour:02d}:00–{(hour + 1) % 24:02d}:00", HOURLY: float(share)}
+        {HOUR: f"{hour:02d}:00–{(hour + 1) % 24:02d}:00", HOURLY: text_of(share)}
         for hour, share in enumerate(shares)
     ]
-    column = st.column_config.NumberColumn(HOURLY, help=label_of(field), format="%g", min_value=0)
-    edited = _edited(editor, "hourly_share", rows, {HOURLY: column}, dynamic=False)
-    if edited is not None:
-        editor.set(path, [row[HOURLY] if row[HOURLY] is not None else 0.0 for row in edited])
 
+    def lay(typed: Rows) -> None:
+        editor.set(path, [as_typed(row[HOURLY] or "0") for row in typed])
 
-def _edited(
-    editor: Editor,
-    name: str,
-    rows: list[dict[str, Any]],
-    columns: dict[str, Any],
-    *,
-    dynamic: bool,
-) -> list[dict[str, Any]] | None:
-    """Rows as edited; None where nothing differs from `rows`."""
-    key = f"table:{name}:{editor.revision}"
-    if key not in st.session_state or name not in editor.grids:
-        editor.grids[name] = rows
-    frame = pd.DataFrame(editor.grids[name])
-    result = st.data_editor(
-        frame,
-        key=key,
-        num_rows="dynamic" if dynamic else "fixed",
-        hide_index=True,
-        placeholder="",
-        disabled=[HOUR],
-        column_config=columns,
-        alt=f"{name}, editable",
-    )
-    found = [
-        {name: None if pd.isna(value) else value for name, value in row.items()}
-        for row in result.to_dict("records")
-    ]
-    return None if found == rows else [{str(k): v for k, v in row.items()} for row in found]
+    columns = {HOURLY: number_column(HOURLY, label_of(field))}
+    grid(editor, "hourly_share", tuple(rows), [HOUR, HOURLY], lay, columns=columns, fixed=[HOUR])

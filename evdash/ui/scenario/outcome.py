@@ -83,11 +83,14 @@ def _begin(session: Session, editor: Editor, scenario: Scenario | None) -> None:
 
 
 def _download(editor: Editor, scenario: Scenario | None) -> None:
-    files = scenario_files(scenario) if scenario else files_of(editor.draft)
+    def packed() -> bytes:
+        now, _ = editor.check()
+        return zipped(scenario_files(now) if now else files_of(editor.draft), name)
+
     name = file_stem(str(editor.draft.settings.get("name", "")))
     st.download_button(
         "Download as .zip",
-        lambda: zipped(files, name),
+        editor.rest.then(packed),
         f"{name}.zip",
         "application/zip",
         key="download_scenario",

@@ -117,6 +117,7 @@ def _uploaded(editor: Editor) -> None:
     """Take in what has come, or refuse it; either way it is let go then."""
     files = {file.name: file for file in st.session_state[f"{UPLOAD}:{editor.uploads}"]}
     if files:
+        editor.take_typed()
         editor.uploads += 1
         receive(editor, {name: file.getvalue() for name, file in files.items()})
         gate.let_go()

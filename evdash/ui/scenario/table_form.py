@@ -3,11 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from datetime import date
 from functools import partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import streamlit as st
+from annotated_types import Ge, Le
 
-from evdash.errors import InputError
+from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft
 from evdash.imports import profile_columns, session_columns
 from evdash.imports.clock import Reading
@@ -24,6 +25,7 @@ from evdash.imports.sessions import MOST_DAYS, days_of, with_sessions
 from evdash.imports.tables import ForeignTable
 from evdash.ui.scenario.editor import Editor, Said
 from evdash.ui.scenario.waiting import WaitingTable
+from evdash.ui.typed import ask_number
 from evdash.ui.words import counted, plain
 
 Rules = TypeVar("Rules", SessionRules, ProfileRules)
@@ -83,13 +85,19 @@ def _form(editor: Editor, waiting: WaitingTable) -> None:
 
 
 def _buttons(
-    editor: Editor, label: str, key: str, confirm: Callable[[Editor, Rules], None], rules: Rules
+    editor: Editor,
+    label: str,
+    key: str,
+    confirm: Callable[[Editor, Rules], None],
+    rules: Rules | tuple[Fault, ...],
 ) -> None:
+    """Take the table in by `rules`, or say what is wrong with them; or leave it.
+
+    Not in a callback, whose arguments would be those of the form as it was before the press.
+    """
     with st.container(horizontal=True):
-        st.button(
+        pressed = st.button(
             label,
-            on_click=confirm,
-            args=(editor, rules),
             key=key,
             type="primary",
             icon=":material/check:",
@@ -97,6 +105,13 @@ def _buttons(
             "docs/importing.md says every rule.",
         )
         st.button("Leave it", on_click=_leave, args=(editor,), key="leave_table")
+    if not pressed:
+        return
+    if isinstance(rules, tuple):
+        editor.said = Said("Nothing was taken in; your work is as it was.", rules)
+    else:
+        confirm(editor, rules)
+    st.rerun()
 
 
 def _columns(
@@ -144,7 +159,7 @@ def _reading(waiting: WaitingTable) -> Reading:
     return Reading(named.strip() or None, ORDERS[chosen])
 
 
-def _session_rules(waiting: WaitingTable) -> SessionRules:
+def _session_rules(waiting: WaitingTable) -> SessionRules | tuple[Fault, ...]:
     table = waiting.table
     guess = session_columns.proposed(table.columns)
     columns = _columns(waiting, session_columns.FIELDS, session_columns.REQUIRED, guess)
@@ -164,14 +179,17 @@ def _session_rules(waiting: WaitingTable) -> SessionRules:
     with first:
         day = _day_of(waiting, rules)
     with days:
-        count = st.number_input(
+        count = ask_number(
             "Days",
-            1,
-            MOST_DAYS,
             None if day is None else 1,
-            key=f"{waiting.key}:days:{day}",
-            help=f"How many days from the first on; blank: all, at most {MOST_DAYS}.",
+            f"{waiting.key}:days:{day}",
+            (Ge(1), Le(MOST_DAYS)),
+            f"How many days from the first on; blank: all, at most {MOST_DAYS}.",
+            whole=True,
+            blank=True,
         )
+    if isinstance(count, Fault):
+        return (count,)
     return SessionRules(
         columns=columns,
         reading=reading,
@@ -204,7 +222,7 @@ def _days_if_readable(table: ForeignTable, rules: SessionRules) -> dict[date, in
         return {}  # every fault is told when the sessions are to be taken in
 
 
-def _profile_rules(editor: Editor, waiting: WaitingTable) -> ProfileRules:
+def _profile_rules(editor: Editor, waiting: WaitingTable) -> ProfileRules | tuple[Fault, ...]:
     table = waiting.table
     guess = profile_columns.proposed(table.columns)
     columns = _columns(waiting, profile_columns.FIELDS, profile_columns.REQUIRED, guess)
@@ -224,18 +242,24 @@ def _profile_rules(editor: Editor, waiting: WaitingTable) -> ProfileRules:
             help="The scenario is moved to begin on it; blank: it stays where it is.",
         )
     with days:
-        count = st.number_input(
-            "Days", 1, MOST_PROFILE_DAYS, None, key=f"{waiting.key}:count", help="Blank: as now."
+        count = ask_number(
+            "Days",
+            None,
+            f"{waiting.key}:count",
+            (Ge(1), Le(MOST_PROFILE_DAYS)),
+            "Blank: as now.",
+            whole=True,
+            blank=True,
         )
     with hold:
-        minutes = st.number_input(
+        minutes = ask_number(
             "A value holds for, min",
-            min_value=0.001,
-            value=None,
+            None,
+            f"{waiting.key}:hold",
+            (Ge(0.001),),
+            "At most so long; then comes a gap, which is a fault. Blank: the table's usual step.",
+            blank=True,
             placeholder="usual step",
-            key=f"{waiting.key}:hold",
-            help="At most so long; then comes a gap, which is a fault. Blank: the table's usual "
-            "step.",
         )
     with end:
         at_end = st.checkbox(
@@ -243,15 +267,18 @@ def _profile_rules(editor: Editor, waiting: WaitingTable) -> ProfileRules:
             key=f"{waiting.key}:end",
             help="As in hour ending: a value holds until its time.",
         )
+    asked = (count, minutes, *peaks.values())
+    if wrong := tuple(number for number in asked if isinstance(number, Fault)):
+        return wrong
     return ProfileRules(columns, units, reading, peaks, day, count, minutes, at_end)
 
 
 def _units(
     waiting: WaitingTable, columns: Mapping[str, str]
-) -> tuple[dict[str, str], dict[str, float]]:
+) -> tuple[dict[str, str], dict[str, Any]]:
     """The unit of each column of values, and the peak of those in kW or MW where one is stated."""
     units: dict[str, str] = {}
-    peaks: dict[str, float] = {}
+    peaks: dict[str, Any] = {}
     row = st.columns(5)
     for place, field in enumerate(profile_columns.UNITS, 1):
         if not columns[field]:
@@ -268,13 +295,14 @@ def _units(
                 help="Money of any currency counts as $." if field == "price" else POWER_HELP,
             )
             if unit in ("kW", "MW"):
-                peak = st.number_input(
+                peak = ask_number(
                     f"Peak of {field}, kW",
-                    value=None,
-                    min_value=0.001,
+                    None,
+                    f"{waiting.key}:{field}:peak",
+                    (Ge(0.001),),
+                    "What the values are divided by; blank: the table's largest.",
+                    blank=True,
                     placeholder="the table's own",
-                    key=f"{waiting.key}:{field}:peak",
-                    help="What the values are divided by; blank: the table's largest.",
                 )
                 peaks |= {} if peak is None else {field: peak}
         units |= {} if unit is None else {field: unit}

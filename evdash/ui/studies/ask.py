@@ -1,14 +1,17 @@
 """Asking: a ready-made question or axes of one's own, what it will take, and the start."""
 
+import re
 from collections.abc import Sequence
 
 import streamlit as st
+from annotated_types import Ge, Le
 
 from evdash.domain.digest import digest
 from evdash.domain.scenario import Scenario
 from evdash.domain.study import Axis, Seeds, Study, StudyRuns
 from evdash.errors import Fault, InputError
 from evdash.files.nested import read_toml
+from evdash.files.wording import shown
 from evdash.policies.registry import RULES
 from evdash.studies.background import spare_cores
 from evdash.studies.estimate import seconds_needed
@@ -17,12 +20,12 @@ from evdash.studies.keys import STUDY_KEYS
 from evdash.studies.questions import QUESTIONS, sure
 from evdash.studies.reading import lay_out, parse_study
 from evdash.studies.shelf import Shelf
-from evdash.ui.apart import one_click
 from evdash.ui.scenario.editor import present_scenario
 from evdash.ui.session import Session
 from evdash.ui.settings import NETWORK_NAMES
 from evdash.ui.studies.refusal import refusals, show_refusal
 from evdash.ui.studies.words import duration
+from evdash.ui.typed import ask_number, refuse
 from evdash.ui.visitors import visitor
 from evdash.ui.words import counted, plain
 
@@ -41,6 +44,7 @@ OFTEN = (
 )
 CHOSEN = "study_chosen"
 LONG_SECONDS = 3600.0
+COMMA_WITHIN = re.compile(r"\d+,\d+")
 FILE_HELP = (
     "A study is one small file: what is varied, over how many days, what is told of them. Edited "
     "here, it is what will be run; saved, it runs on the command line: "
@@ -75,19 +79,22 @@ def ask(session: Session, shelf: Shelf) -> None:
 def _settings(name: str, scenario: Scenario) -> Study:
     """The question's study with what a person changed about it; raises InputError."""
     study = _own(scenario) if name == OWN else QUESTIONS[name].study(scenario)
-    axes = [_values(name, n, axis) for n, axis in enumerate(study.axis)]
+    wrong: list[Fault] = []
+    axes = [_values(name, n, axis, wrong) for n, axis in enumerate(study.axis)]
     left, right = st.columns(2)
     changes: dict[str, object] = {"axis": tuple(axes)}
     if study.seeds is not None:
-        days = left.number_input(
-            "Days at every point",
-            1,
-            1000,
-            study.seeds.count,
-            key=f"study_days_{name}",
-            help="Each is a draw of its own of who arrives, the same ones at every point.",
-        )
-        changes["seeds"] = Seeds(count=int(days))
+        with left:
+            days = ask_number(
+                "Days at every point",
+                study.seeds.count,
+                f"study_days_{name}",
+                (Ge(1), Le(1000)),
+                "Each is a draw of its own of who arrives, the same ones at every point.",
+                whole=True,
+            )
+        wrong += [days] if isinstance(days, Fault) else []
+        changes["seeds"] = study.seeds if isinstance(days, Fault) else Seeds(count=days)
     networks = right.multiselect(
         "Network models",
         list(NETWORK_NAMES),
@@ -106,20 +113,23 @@ def _settings(name: str, scenario: Scenario) -> Study:
         help="The rules by which vehicles are admitted and charged. With several, each decides "
         "the very same days.",
     )
-    empty = [
+    wrong += [
         Fault(place, "nothing", "should have at least one")
         for place, chosen in (("Network models", networks), ("Who decides", policies))
         if not chosen
     ]
-    if empty:
-        raise InputError(empty)
+    if wrong:
+        raise InputError(wrong)
     return study.model_copy(
         update=changes | {"networks": tuple(networks), "policies": tuple(policies)}
     )
 
 
-def _values(name: str, number: int, axis: Axis) -> Axis:
-    """An axis with its values as they stand in a text field; cases and all nodes stay."""
+def _values(name: str, number: int, axis: Axis, wrong: list[Fault]) -> Axis:
+    """An axis with its values as they stand in a text field; cases and all nodes stay.
+
+    What is wrong with them goes to `wrong`.
+    """
     if axis.case or isinstance(axis.values, str):
         return axis
     text = st.text_input(
@@ -128,11 +138,24 @@ def _values(name: str, number: int, axis: Axis) -> Axis:
         key=f"study_values_{name}_{number}_{axis.key}",
         help=f"The days are run once for each of these values of {plain(axis.title)}.",
     )
-    return axis.model_copy(update={"values": read_values(text)})
+    try:
+        return axis.model_copy(update={"values": read_values(text)})
+    except ValueError as error:
+        fault = Fault(f"{axis.title}: values", shown(text), str(error))
+        wrong.append(fault)
+        refuse(fault)
+        return axis
 
 
 def read_values(text: str) -> tuple[object, ...]:
-    """Values as typed: each a number where it reads as one, or else text."""
+    """Values as typed: each a number where it reads as one, or else text.
+
+    ValueError where a comma stands between two digits: `0,3` may be one value, and may be two.
+    """
+    if glued := COMMA_WITHIN.search(text):
+        one, two = glued[0].replace(",", "."), glued[0].replace(",", ", ")
+        rule = f"should be {one} with a point if that is one value, {two} with a blank if several"
+        raise ValueError(rule)
     values: list[object] = []
     for part in (part.strip() for part in text.split(",")):
         if part:
@@ -214,10 +237,8 @@ def _start(shelf: Shelf, runs: StudyRuns | None) -> None:
         st.markdown(
             f"**{counted(days, 'run')}, about {duration(seconds)}** on this computer.{long}"
         )
-    st.button(
+    pressed = st.button(
         "Start",
-        on_click=one_click(_begin),
-        args=(shelf, runs),
         key="start_study",
         type="primary",
         icon=":material/play_arrow:",
@@ -225,13 +246,12 @@ def _start(shelf: Shelf, runs: StudyRuns | None) -> None:
         help="It runs beside this page: go on elsewhere, close the tab, come back by this page's "
         "address. Others who use this server come first.",
     )
-    show_refusal()
-    if live is not None:
-        st.caption("One study at a time: the next can start once yours has ended or is cancelled.")
-
-
-def _begin(shelf: Shelf, runs: StudyRuns) -> None:
-    if shelf.live() is None:
+    # not in a callback, whose arguments would be those of the page as it was before the press
+    if pressed and runs is not None and live is None:
         with refusals():
             folder = shelf.start(runs, visitor())
             st.session_state[CHOSEN] = folder.path.name
+        st.rerun()
+    show_refusal()
+    if live is not None:
+        st.caption("One study at a time: the next can start once yours has ended or is cancelled.")
