@@ -22,7 +22,9 @@ from evdash.ui.visitors import visitor_at
 
 STREAM = "/_stcore/stream"
 UPLOAD = re.compile(r"/_stcore/upload_file/([^/]+)/[^/]+/?$")
-UNAVAILABLE, TOO_LARGE, TRY_AGAIN_LATER = 503, 413, 1013
+UNAVAILABLE, TRY_AGAIN_LATER = 503, 1013
+NOT_KEPT = 200
+"""Of a file: an error would be told by the browser, as a number, and never reach the page."""
 MOST_REFUSED = 1_000
 PAGES = ("document", "iframe", "")
 """What a browser says it fetches when it opens a page; one that says nothing may."""
@@ -135,7 +137,7 @@ class WithinQuotas:
             uploads.begin(session, _visitor(scope), size)
         except QuotaReached as full:
             await _let_pass(receive)
-            await _say(scope, receive, send, TOO_LARGE, full)
+            await _say(scope, receive, send, NOT_KEPT, full)
             return
         try:
             await self.app(scope, receive, send)

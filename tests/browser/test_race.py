@@ -35,7 +35,7 @@ def test_policies_race_beside_the_page(live: LivePage) -> None:
     with FileLock(QUEUE):  # as if somebody else's race were on: ours cannot end by itself
         start.click()
         stop = page.get_by_role("button", name="Stop the race")
-        page.get_by_text("Waiting for another race to end").wait_for(timeout=PATIENCE_MS)
+        page.get_by_text("Its turn comes next").wait_for(timeout=PATIENCE_MS)
         stop.click()
         start.wait_for(timeout=PATIENCE_MS)
     expect(figures).to_be_visible()  # what the last race showed stays

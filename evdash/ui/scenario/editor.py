@@ -54,6 +54,7 @@ class Editor:
         self.revision = 0
         self.said: Said | None = None
         self.uploads = 0
+        self.not_kept = ""
         self.waiting: WaitingTable | None = None
         self.network: WaitingNetwork | None = None
         self._number = 0

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from io import BytesIO
 
 import streamlit as st
+from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from evdash.errors import Fault, InputError
 from evdash.files.draft import (
@@ -109,18 +110,24 @@ def _uploader(editor: Editor) -> None:
             max_upload_size=MOST_MB,
             help=UPLOAD_HELP,
         )
-        if refused := gate.refused_here():
-            st.warning(refused, icon=":material/upload_file:")
+        if editor.not_kept:
+            st.warning(editor.not_kept, icon=":material/upload_file:")
 
 
 def _uploaded(editor: Editor) -> None:
     """Take in what has come, or refuse it; either way it is let go then."""
-    files = {file.name: file for file in st.session_state[f"{UPLOAD}:{editor.uploads}"]}
+    come = st.session_state[f"{UPLOAD}:{editor.uploads}"]
+    if not come:
+        return
+    editor.take_typed()
+    editor.uploads += 1
+    files = [file for file in come if isinstance(file, UploadedFile)]
     if files:
-        editor.take_typed()
-        editor.uploads += 1
-        receive(editor, {name: file.getvalue() for name, file in files.items()})
-        gate.let_go()
+        receive(editor, {file.name: file.getvalue() for file in files})
+    gate.let_go()
+    lost, were = len(come) - len(files), "was" if len(come) - len(files) == 1 else "were"
+    told = f"{lost} of {counted(len(come), 'file')} {were} not kept. {gate.refused_here()}"
+    editor.not_kept = told if lost else ""
 
 
 def _take(session: Session, editor: Editor) -> None:
