@@ -61,12 +61,16 @@ def _say_feeder(terminal: Terminal, result: Audit) -> None:
 
 
 def _say_sound(terminal: Terminal, run: RunRecord) -> None:
-    served = sum(row.status != "refused" for row in run.vehicles)
+    statuses = [row.status for row in run.vehicles]
+    released = statuses.count("released")
+    given_up = f", {released} of them but for what drivers gave up" if released else ""
+    model = "AC" if run.network == "ac" else "the linearised model"
     terminal.say(
         ("ok", "bold green"),
-        f" {run.scenario.name}: {served} contracts kept, every limit "
-        f"of the feeder and the chargers held; {len(run.intervals)} intervals, "
-        f"{len(run.voltages)} voltages and all totals worked out again",
+        f" {run.scenario.name}: {len(statuses) - statuses.count('refused')} contracts kept"
+        f"{given_up}; in {model} the station worsens no limit of the feeder; "
+        f"{len(run.intervals)} intervals, {len(run.voltages)} voltages and all totals worked out "
+        "again",
     )
 
 
