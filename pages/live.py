@@ -4,7 +4,7 @@ from functools import partial
 
 import streamlit as st
 
-from evdash.ui import apart, drive, page, parts
+from evdash.ui import apart, drive, limits, page, parts
 from evdash.ui.events import ledger, panel
 from evdash.ui.live import controls, decision, head, panels, prompts, voltages
 from evdash.ui.session import current
@@ -18,7 +18,7 @@ controls.sidebar(session, parts.view(session))
 with st.container(key="live"):
     toolbar(session)
     head.headline(session)
-    overload, progress = st.container(key="overload"), st.container()
+    exceeded, progress = st.container(key="exceeded"), st.container()
     head.answer(session)
     ledger.notice(session)
     prompts.case_panel(session)
@@ -37,8 +37,8 @@ with left:
 with right:
     panels.load(session)
 voltages.voltages(session)
-with overload:
-    head.overload(session)
+with exceeded:
+    limits.headline(session)
 ledger.ledger(session)
 with progress:
     drive.finish(session)

@@ -71,7 +71,7 @@ def ac_gap_table(outlook: Outlook, gaps: Sequence[Gap]) -> list[dict[str, object
             "Lowest AC, pu": round(gap.lowest_ac, 5),
             "Largest difference, pu": round(gap.difference, 5),
             "at node": gap.node,
-            "AC within limits": "no" if _is_low(outlook, gap) else "yes",
+            "AC below the lowest allowed": "yes" if _is_low(outlook, gap) else "no",
         }
         for gap in gaps
     ]
@@ -101,7 +101,7 @@ def _linear(outlook: Outlook) -> dict[str, Any]:
 
 
 def _ac(outlook: Outlook, gaps: Sequence[Gap]) -> list[dict[str, Any]]:
-    """AC within limits as green rings, below them as red crosses."""
+    """The lowest AC voltage as green rings, below the lowest allowed as red crosses."""
     middle = (outlook.times[1] - outlook.start) / 2
     kinds = (
         ("AC", False, {"symbol": "circle-open", "color": GREEN}),

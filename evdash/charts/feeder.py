@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from evdash.charts.feeder_layout import Layout, middle_of
-from evdash.charts.feeder_moment import Moment, nodes_outside
+from evdash.charts.feeder_moment import Moment, loading_told, nodes_outside
 from evdash.charts.style import (
     BLUE,
     CLEAR,
@@ -22,6 +22,8 @@ from evdash.charts.style import (
     safe,
 )
 from evdash.charts.voltage_map import LEAST_DROP_PU
+from evdash.domain.trace import Network
+from evdash.metrics.verdict import FULL_AC, LINEARISED
 
 HEIGHT_PX, TALLEST_PX, ROW_PX = 540, 900, 14
 FEW, MANY = 45, 150
@@ -47,6 +49,7 @@ LOADINGS = (
     Loading("80–100 %", 1.0, 7, ORANGE),
     Loading("Over its rating", float("inf"), 9, VERMILLION, "dot"),
 )
+OVER = len(LOADINGS) - 1
 UNRATED = Loading("No rating", float("nan"), 2, OUTLINE)
 SYMBOLS = (("Node", "circle"), ("Source", "square"), ("Charging station", "diamond"))
 BUSY, IDLE = Loading("Carries charging", 0, 6, BLUE), Loading("Other lines", 0, 2, OUTLINE)
@@ -63,7 +66,7 @@ def feeder_figure(moment: Moment) -> Figure:
             _line_marks(moment),
             *_nodes(moment, voltage),
             *_symbols(),
-            *_nodes_outside(moment, voltage),
+            *_nodes_outside(moment),
         ],
         _height_px(moment.layout),
         margin={"l": 8, "r": 8, "t": 62, "b": 8},
@@ -128,7 +131,10 @@ def _lines(moment: Moment) -> list[dict[str, Any]]:
         of_line = [int(kva > CARRIED_KVA) for kva in np.abs(moment.line_kva)]
     else:
         classes = (*LOADINGS, UNRATED)
-        of_line = [_class_of(share) for share in moment.loading]
+        of_line = [
+            _class_of(share, is_over=bool(moment.models_over(line)))
+            for line, share in zip(moment.scenario.lines, moment.loading, strict=True)
+        ]
     traces = []
     for place, look in enumerate(classes):
         ways = [moment.layout.ways[i] for i, one in enumerate(of_line) if one == place]
@@ -147,19 +153,21 @@ def _lines(moment: Moment) -> list[dict[str, Any]]:
     return traces
 
 
-def _class_of(share: float) -> int:
+def _class_of(share: float, *, is_over: bool) -> int:
+    """Which of LOADINGS: the verdict decides what is over its rating, not the share's rounding."""
     if np.isnan(share):
         return len(LOADINGS)
-    return next(i for i, look in enumerate(LOADINGS) if share <= look.up_to + 1e-9)
+    if is_over:
+        return OVER
+    return next((i for i, look in enumerate(LOADINGS[:OVER]) if share <= look.up_to), OVER - 1)
 
 
 def _line_marks(moment: Moment) -> dict[str, Any]:
     """In the middle of every line: its flow to hover over, and in words where it matters."""
     labelled = len(moment.layout.places) <= FEW
     texts, told = [], []
-    for line, kva, share, rating in zip(
-        moment.scenario.lines, moment.line_kva, moment.loading, moment.flows.rating_kva, strict=True
-    ):
+    for row, line in enumerate(moment.scenario.lines):
+        kva, share = moment.line_kva[row], moment.loading[row]
         name = f"{safe(line.from_node)}–{safe(line.to_node)}"
         if moment.way == "difference":
             told.append(f"{name}: {kva:+.1f} kVA by charging")
@@ -168,8 +176,10 @@ def _line_marks(moment: Moment) -> dict[str, Any]:
             told.append(f"{name}: {kva:,.1f} kVA, no rating")
             texts.append("")
         else:
-            told.append(f"{name}: {kva:,.1f} of {rating:,.0f} kVA ({100 * share:.0f} %)")
-            texts.append(f"{100 * share:.0f} %" if labelled or share > LOADINGS[1].up_to else "")
+            loading = loading_told(moment, row)
+            told.append(_line_told(moment, row, name, loading))
+            is_shown = labelled or share > LOADINGS[1].up_to or moment.models_over(line)
+            texts.append(loading.replace(", ", "<br>") if is_shown else "")
     middles = [middle_of(way) for way in moment.layout.ways]
     return {
         "type": "scatter",
@@ -187,6 +197,14 @@ def _line_marks(moment: Moment) -> dict[str, Any]:
         "hovertemplate": "%{hovertext}<extra></extra>",
         "marker": {"size": 16, "color": "rgba(128,128,128,0.01)"},
     }
+
+
+def _line_told(moment: Moment, row: int, name: str, loading: str) -> str:
+    told = f"{name}: {moment.line_kva[row]:,.1f} of {moment.rating_kva[row]:,.0f} kVA"
+    ac = moment.seen_in_ac
+    if ac is not None and np.isfinite(ac.line_kva[row]):
+        told += f" linearised, {ac.line_kva[row]:,.1f} kVA by AC power flow"
+    return f"{told} ({loading})"
 
 
 def _nodes(moment: Moment, voltage: dict[str, float]) -> list[dict[str, Any]]:
@@ -264,22 +282,21 @@ def _told(moment: Moment, node: str, value: float) -> str:
     if moment.way == "difference":
         return f"Node {safe(node)}: {value:.4f} pu lower by charging"
     parts = [f"Node {safe(node)}: {value:.4f} pu linearised"]
-    if moment.ac_pu is not None and moment.way == "with" and node in moment.outlook.nodes:
-        ac = float(moment.ac_pu[moment.outlook.nodes.index(node)])
+    if moment.seen_in_ac is not None and node in moment.outlook.nodes:
+        ac = float(moment.seen_in_ac.voltage_pu[moment.outlook.nodes.index(node)])
         parts.append(f"{ac:.4f} pu by AC power flow" if np.isfinite(ac) else "no AC solution")
     if node == moment.scenario.station.node and moment.way == "with":
         parts.append(f"station {moment.outlook.station_kw[moment.interval]:,.1f} kW")
     return "<br>".join(parts)
 
 
-def _nodes_outside(moment: Moment, voltage: dict[str, float]) -> list[dict[str, Any]]:
+def _nodes_outside(moment: Moment) -> list[dict[str, Any]]:
     """Crosses on nodes outside their limits; by AC, rings: told apart by shape."""
-    if moment.way == "difference":
-        return []
-    found = {"Outside limits": (voltage, "x-thin")}
-    if moment.ac_pu is not None and moment.way == "with":
-        ac = dict(zip(moment.outlook.nodes, moment.ac_pu.tolist(), strict=True))
-        found["Outside limits in AC"] = (ac, "circle-open")
+    found: dict[str, tuple[Network, str, int]] = {
+        "Outside limits": (LINEARISED, "x-thin", 18),
+        "Outside limits in AC": (FULL_AC, "circle-open", 26),
+    }
+    sizes = {moment.scenario.station.node: 36}  # around the diamond, which is larger
     return [
         {
             "type": "scatter",
@@ -287,12 +304,12 @@ def _nodes_outside(moment: Moment, voltage: dict[str, float]) -> list[dict[str, 
             "name": name,
             "x": [moment.layout.places[node][0] for node in nodes],
             "y": [moment.layout.places[node][1] for node in nodes],
-            "marker": {"symbol": symbol, "size": 26 if symbol == "circle-open" else 18}
+            "marker": {"symbol": symbol, "size": [sizes.get(node, size) for node in nodes]}
             | {"color": VERMILLION, "line": {"color": VERMILLION, "width": 3}},
             "hoverinfo": "skip",
         }
-        for name, (values, symbol) in found.items()
-        if (nodes := nodes_outside(moment, values))
+        for name, (network, symbol, size) in found.items()
+        if (nodes := nodes_outside(moment, network))
     ]
 
 

@@ -6,16 +6,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.charts.feeder_layout import Layout
-from evdash.charts.voltage_map import VOLTAGE_TOLERANCE_PU, MapWay
+from evdash.charts.voltage_map import MapWay
+from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
 from evdash.domain.outlook import Outlook
-from evdash.domain.scenario import Scenario
+from evdash.domain.scenario import Line, Scenario
+from evdash.domain.trace import Network
+from evdash.domain.words import element_name
+from evdash.metrics.ac import AcPoint
 from evdash.metrics.feeder import Flows
+from evdash.metrics.verdict import FULL_AC, LINEARISED
+
+FULL_PERCENT = 100
+MODELS: Mapping[Network, str] = {LINEARISED: "linearised", FULL_AC: "AC"}
 
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What is drawn: one interval, one way to look at it, AC voltages (nodes,) where known."""
+    """What is drawn: one interval, one way to look at it, and what the models say of its limits.
+
+    `linear` are the limits exceeded in it in the linearised model, `without` those exceeded
+    without charging; `ac` what AC power flow found, None where it has not been asked.
+    """
 
     scenario: Scenario
     outlook: Outlook
@@ -23,7 +35,28 @@ class Moment:
     layout: Layout
     interval: int
     way: MapWay = "with"
-    ac_pu: Floats | None = None
+    linear: tuple[Breach, ...] = ()
+    without: tuple[Breach, ...] = ()
+    ac: AcPoint | None = None
+
+    @property
+    def seen_in_ac(self) -> AcPoint | None:
+        """What AC power flow found, if that is what is shown: it knows the day with charging."""
+        return self.ac if self.way == "with" else None
+
+    @property
+    def exceeded(self) -> dict[Network, frozenset[str]]:
+        """The elements beyond a limit in what is shown, by model, whichever side is exceeded."""
+        shown = {"with": self.linear, "without": self.without, "difference": ()}[self.way]
+        in_ac = self.seen_in_ac.breaches if self.seen_in_ac else ()
+        return {
+            network: frozenset(breach.limit for breach in breaches)
+            for network, breaches in ((LINEARISED, shown), (FULL_AC, in_ac))
+        }
+
+    def models_over(self, line: Line) -> list[Network]:
+        """The models in which a line is over its rating."""
+        return [network for network, found in self.exceeded.items() if f"line:{line.name}" in found]
 
     @property
     def voltage_pu(self) -> dict[str, float]:
@@ -46,19 +79,58 @@ class Moment:
         return np.asarray(shown[self.interval])
 
     @property
+    def rating_kva(self) -> Floats:
+        """Rating by line, inf for none."""
+        return np.asarray(self.flows.rating_kva[self.interval])
+
+    @property
     def loading(self) -> Floats:
         """Share of each line's rating, NaN where it has none."""
-        rating = self.flows.rating_kva
+        return self._share(self.line_kva)
+
+    @property
+    def ac_loading(self) -> Floats:
+        """The same by AC power flow, NaN also where that is not known or shown."""
+        unknown = np.full(len(self.scenario.lines), np.nan)
+        return self._share(unknown if self.seen_in_ac is None else self.seen_in_ac.line_kva)
+
+    def _share(self, kva: Floats) -> Floats:
+        rating = self.rating_kva
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = self.line_kva / rating
-        return np.where(np.isinf(rating), np.nan, np.where(rating > 0, share, np.inf))
+            share = kva / rating
+        share = np.where(rating > 0, share, np.inf)
+        return np.where(np.isinf(rating) | np.isnan(kva), np.nan, share)
 
 
-def nodes_outside(moment: Moment, voltage: Mapping[str, float]) -> list[str]:
-    """The nodes whose voltage is beyond a limit."""
-    low = moment.outlook.voltage_min_pu - VOLTAGE_TOLERANCE_PU
-    high = moment.outlook.voltage_max_pu + VOLTAGE_TOLERANCE_PU
-    return [n for n, pu in voltage.items() if not low <= pu <= high and np.isfinite(pu)]
+def nodes_outside(moment: Moment, network: Network) -> list[str]:
+    """The nodes whose voltage or injection is beyond a limit in a model."""
+    kinds = ("voltage_min", "voltage_max", "node", "power_flow")
+    found = moment.exceeded[network]
+    return [
+        node.node
+        for node in moment.scenario.nodes
+        if any(f"{kind}:{node.node}" in found for kind in kinds)
+    ]
+
+
+def percent_told(share: float, *, is_over: bool) -> str:
+    """A line's loading in %, never rounded to the other side of its rating."""
+    if np.isinf(share):
+        return "rated 0 kVA"
+    percent = 100 * share
+    if is_over and round(percent) <= FULL_PERCENT:
+        return f"{percent:.2f} %" if round(percent, 2) > FULL_PERCENT else "just over 100 %"
+    return f"{percent:.0f} %"
+
+
+def loading_told(moment: Moment, row: int) -> str:
+    """A line's loading in %; by AC power flow, too, where that finds it over its rating."""
+    over = moment.models_over(moment.scenario.lines[row])
+    told = percent_told(float(moment.loading[row]), is_over=LINEARISED in over)
+    in_ac = float(moment.ac_loading[row])
+    if FULL_AC not in over or np.isnan(in_ac):
+        return told
+    return f"{told}, AC {percent_told(in_ac, is_over=True)}"
 
 
 def feeder_table(moment: Moment) -> list[dict[str, object]]:
@@ -72,7 +144,7 @@ def feeder_table(moment: Moment) -> list[dict[str, object]]:
             "Drop by charging, pu": round(
                 float(outlook.base_voltage_pu[t, i] - outlook.voltage_pu[t, i]), 5
             ),
-            "By AC, pu": None if moment.ac_pu is None else _or_none(moment.ac_pu[i]),
+            "By AC, pu": None if moment.ac is None else _or_none(moment.ac.voltage_pu[i]),
         }
         for i, node in enumerate(outlook.nodes)
     ]
@@ -82,13 +154,18 @@ def feeder_table(moment: Moment) -> list[dict[str, object]]:
 def lines_table(moment: Moment) -> list[dict[str, object]]:
     """The lines of the drawing as rows of a table, the most loaded first."""
     flows, t = moment.flows, moment.interval
+    unknown = np.full(len(moment.scenario.lines), np.nan)
+    ac_kva = unknown if moment.ac is None else moment.ac.line_kva
     rows: list[dict[str, object]] = [
         {
             "Line": f"{line.from_node}–{line.to_node}",
             "With charging, kVA": round(float(flows.line_kva[t, i]), 1),
             "Without, kVA": round(float(flows.base_line_kva[t, i]), 1),
-            "Rating, kVA": line.rating_kva,
-            "Loading, %": _percent(flows.line_kva[t, i], line.rating_kva),
+            "Rating, kVA": _or_none(moment.rating_kva[i]),
+            "Loading, %": _percent(flows.line_kva[t, i], moment.rating_kva[i]),
+            "By AC, kVA": _or_none(ac_kva[i], 1),
+            "Loading by AC, %": _percent(ac_kva[i], moment.rating_kva[i]),
+            "Over its rating": ", ".join(MODELS[n] for n in moment.models_over(line)),
         }
         for i, line in enumerate(moment.scenario.lines)
     ]
@@ -103,13 +180,21 @@ def feeder_alt(moment: Moment) -> str:
         f"One-line drawing of the feeder with {len(outlook.nodes) + 1} nodes at "
         f"{outlook.times[t]:%H:%M}: lowest voltage {outlook.voltage_pu[t, i]:.4f} pu at node "
         f"{outlook.nodes[i]}; lines by loading, the charging station at node "
-        f"{moment.scenario.station.node}."
+        f"{moment.scenario.station.node}.{_exceeded_told(moment)}"
     )
 
 
-def _percent(kva: float, rating_kva: float | None) -> float | None:
-    return round(100 * float(kva) / rating_kva, 1) if rating_kva else None
+def _exceeded_told(moment: Moment) -> str:
+    return "".join(
+        f" Outside limits, {MODELS[network]}: {', '.join(map(element_name, sorted(found)))}."
+        for network, found in moment.exceeded.items()
+        if found
+    )
 
 
-def _or_none(value: float) -> float | None:
-    return round(float(value), 5) if np.isfinite(value) else None
+def _percent(kva: float, rating_kva: float) -> float | None:
+    return _or_none(100 * kva / rating_kva, 1) if 0 < rating_kva < np.inf else None
+
+
+def _or_none(value: float, digits: int = 5) -> float | None:
+    return round(float(value), digits) if np.isfinite(value) else None

@@ -9,7 +9,7 @@ from evdash.charts.schedule import GANTT_MOST
 from evdash.charts.style import Figure, clock
 from evdash.domain.outlook import Outlook
 from evdash.domain.trace import Trace
-from evdash.metrics.records import VehicleRecord
+from evdash.metrics.records import Fate, VehicleRecord
 
 BAR_PX, LINE_PX = 15, 5
 LEAST_LINES = 8
@@ -40,7 +40,7 @@ def fleet_figure(
 def fleet_table(
     records: Sequence[VehicleRecord],
     charging_kw: Mapping[str, float],
-    statuses: Mapping[str, str],
+    statuses: Mapping[Fate, str],
     outlook: Outlook,
 ) -> list[dict[str, object]]:
     """The same as rows of a table, with what each pays and why it was refused."""
@@ -48,7 +48,7 @@ def fleet_table(
     return [
         {
             "Vehicle": record.vehicle,
-            "Answer": statuses[record.status],
+            "Answer": statuses[record.fate],
             "Option": record.request.option,
             "Arrived": clock(record.request.arrival, with_date=dated),
             "Due back": clock(outlook.times[record.request.deadline_interval], with_date=dated),
@@ -74,7 +74,9 @@ def fleet_alt(records: Sequence[VehicleRecord], outlook: Outlook) -> str:
     """The chart in one sentence."""
     refused = sum(record.status == "refused" for record in records)
     done = sum(record.status == "charged" for record in records)
+    short = sum(bool(record.short_kwh) for record in records)
+    broken = f", {short} short of their promise" if short else ""
     return (
         f"Chart of {len(records)} vehicles at {clock(outlook.clock)}, a line each: {done} charged "
-        f"in full, {refused} refused; the window of each, energy charged and planned."
+        f"in full, {refused} refused{broken}; the window of each, energy charged and planned."
     )

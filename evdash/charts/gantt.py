@@ -37,6 +37,7 @@ LABEL_SHARE = 0.095
 ROOMY_PX = 15
 """A line at least so high carries text of the ordinary small size."""
 ADMITTED_LOOK = {"color": WINDOW, "line": {"color": OUTLINE, "width": 1}}
+SHORT_LOOK = {"color": "rgba(213,94,0,0.18)", "line": {"color": VERMILLION, "width": 2}}
 REFUSED_LOOK = {
     "color": CLEAR,
     "line": {"color": VERMILLION, "width": 1},
@@ -64,7 +65,8 @@ def gantt(
         colour = colour_of(options, option)
         traces.append(_bars(outlook, rows, option, colour, executed=True))
         traces.append(_bars(outlook, rows, option, colour, executed=False))
-    traces.append(_percents(outlook, rows, 12 if lines * ROOMY_PX <= height_px else 11))
+    size_px = 12 if lines * ROOMY_PX <= height_px else 11
+    traces += [_percents(outlook, rows, size_px, short) for short in (False, True)]
     return fixed_figure(
         traces,
         height_px,
@@ -123,7 +125,11 @@ def _windows(outlook: Outlook, rows: list[Row]) -> list[dict[str, Any]]:
     """Promised windows, and those asked for in vain where there are any."""
     admitted = [(y, row) for y, row in enumerate(rows) if not row.is_refused]
     refused = [(y, row) for y, row in enumerate(rows) if row.is_refused]
-    traces = [_window_bars(outlook, "Promised", admitted, ADMITTED_LOOK)]
+    kept = [(y, row) for y, row in admitted if not row.short_kwh]
+    short = [(y, row) for y, row in admitted if row.short_kwh]
+    traces = [_window_bars(outlook, "Promised", kept, ADMITTED_LOOK)]
+    if short:
+        traces.append(_window_bars(outlook, "Short of its promise", short, SHORT_LOOK))
     if refused:
         traces.append(_window_bars(outlook, "Refused", refused, REFUSED_LOOK))
     return traces
@@ -161,7 +167,8 @@ def _told(outlook: Outlook, row: Row) -> str:
     who = f"{safe(request.vehicle)} ({safe(request.option)}): {request.need_kwh:.1f} kWh"
     if row.is_refused:
         return f"{who} asked for by {end}, refused"
-    return f"{who} promised by {end}, {row.delivered_kwh:.1f} kWh delivered"
+    short = f", {row.short_kwh:.1f} kWh of it missing" if row.short_kwh else ""
+    return f"{who} promised by {end}{short}, {row.delivered_kwh:.1f} kWh delivered"
 
 
 def _bars(
@@ -197,27 +204,29 @@ def _bars(
     }
 
 
-def _percents(outlook: Outlook, rows: list[Row], size_px: int) -> dict[str, Any]:
-    """Option and percent complete at the end of each window; so no row is told by colour alone.
+def _percents(outlook: Outlook, rows: list[Row], size_px: int, short: bool) -> dict[str, Any]:
+    """Option and percent complete at the end of each window, and whether its promise is `short`;
+    so no row is told by colour alone.
 
     Where the now line would cross the text, it stands behind the line.
     """
+    shown = [(y, row) for y, row in enumerate(rows) if bool(row.short_kwh) == short]
     room = (outlook.end - outlook.start) * LABEL_SHARE
-    ends = [outlook.times[row.request.deadline_interval] for row in rows]
+    ends = [outlook.times[row.request.deadline_interval] for _, row in shown]
     places = [outlook.clock if end <= outlook.clock < end + room else end for end in ends]
     return {
         "type": "scatter",
         "mode": "text",
         "showlegend": False,
         "x": [stamp(place) for place in places],
-        "y": list(range(len(rows))),
+        "y": [y for y, _ in shown],
         "text": [
             f" {safe(_short(row.request.option))} "
-            f"{'refused' if row.is_refused else f'{row.percent} %'}"
-            for row in rows
+            f"{'refused' if row.is_refused else f'{row.percent} %'}{' !' if short else ''}"
+            for _, row in shown
         ],
         "textposition": "middle right",
-        "textfont": {"size": size_px},
+        "textfont": {"size": size_px} | ({"color": VERMILLION} if short else {}),
         "hoverinfo": "skip",
         "cliponaxis": False,
     }

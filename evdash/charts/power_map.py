@@ -35,8 +35,13 @@ REFUSED = "rgba(213,94,0,0.35)"
 def power_map(outlook: Outlook, rows: list[Row], *, height_px: int, picked: str = "") -> Figure:
     """A line a vehicle, a column an interval; pale where a vehicle waits inside its window."""
     refused = [(y, row) for y, row in enumerate(rows) if row.is_refused]
+    short = [(y, row) for y, row in enumerate(rows) if row.short_kwh]
     return fixed_figure(
-        [_power(outlook, rows), *([_refused(outlook, refused)] if refused else [])],
+        [
+            _power(outlook, rows),
+            *([_refused(outlook, refused)] if refused else []),
+            *([_short(outlook, short)] if short else []),
+        ],
         height_px,
         {"l": 70, "r": 66, "t": 58, "b": 48},
         xaxis=time_axis(outlook),
@@ -44,7 +49,7 @@ def power_map(outlook: Outlook, rows: list[Row], *, height_px: int, picked: str 
         shapes=[*now_shapes(outlook), *frame_of(rows, picked)],
         annotations=[
             *([now_label(outlook)] if outlook.now else []),
-            _note(len(rows) - len(refused), len(refused)),
+            _note(len(rows) - len(refused), len(refused), len(short)),
         ],
     )
 
@@ -109,8 +114,26 @@ def _refused(outlook: Outlook, refused: list[tuple[int, Row]]) -> dict[str, Any]
     }
 
 
-def _note(admitted: int, refused: int) -> dict[str, Any]:
-    text = f"{admitted} under contract, a line each. Pale: promised window; "
+def _short(outlook: Outlook, short: list[tuple[int, Row]]) -> dict[str, Any]:
+    """A triangle at the promised return of whose promise is not kept, or cannot be."""
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "showlegend": False,
+        "x": [stamp(outlook.times[row.request.deadline_interval]) for _, row in short],
+        "y": [y for y, _ in short],
+        "marker": {"symbol": "triangle-left", "size": 9, "color": VERMILLION},
+        "hovertext": [
+            f"{safe(row.request.vehicle)} ({safe(row.request.option)}): {row.short_kwh:.1f} kWh of "
+            "what was promised missing"
+            for _, row in short
+        ],
+        "hovertemplate": "%{hovertext}<extra></extra>",
+    }
+
+
+def _note(admitted: int, refused: int, short: int) -> dict[str, Any]:
+    text = f"{admitted} under contract. Pale: promised window; "
     return {
         "x": 0,
         "xref": "paper",
@@ -119,5 +142,7 @@ def _note(admitted: int, refused: int) -> dict[str, Any]:
         "yanchor": "bottom",
         "yshift": 26,
         "showarrow": False,
-        "text": f"{text}tinted: planned" + (f"; crosses: {refused} refused" if refused else ""),
+        "text": f"{text}tinted: planned"
+        + (f"; crosses: {refused} refused" if refused else "")
+        + (f"; triangles: {short} short" if short else ""),
     }

@@ -1,6 +1,6 @@
 """A race of policies in two pictures: what each earned, and what each drew from the feeder."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from typing import Any
 
@@ -22,7 +22,10 @@ from evdash.charts.style import (
     stamp,
     value_axis,
 )
+from evdash.domain.trace import Network
+from evdash.metrics.verdict import FULL_AC, LINEARISED
 from evdash.policies.race import Lap, Race
+from evdash.policies.race_words import most_is_over_in_ac
 from evdash.policies.registry import RULES
 
 LOOKS = {
@@ -37,26 +40,32 @@ LOOKS = {
 }
 """Colour and dash of each policy, the same in every picture."""
 ROW_PX, BARS_PX, LINES_PX, PRICE_PX = 40, 130, 380, 300
-BREAKS = "breaks limits"
+BREAKS: Mapping[Network | None, str] = {
+    LINEARISED: "breaks limits",
+    FULL_AC: "over limits in AC",
+    None: "",
+}
+"""What is told of a policy by the model whose limits charging exceeds."""
 
 
 def profit_figure(race: Race) -> Figure:
     """A bar for each policy's profit, most first; a line at what nobody within limits can exceed.
 
-    Hatched is who keeps no limits: what it earns, it takes from the feeder.
+    Hatched is who exceeds limits in the model in which they are kept: what it earns, it takes from
+    the feeder. Who exceeds them by AC power flow alone is told to.
     """
     laps = sorted(race.laps, key=lambda lap: lap.service.profit)
     bars = {
         "type": "bar",
         "orientation": "h",
-        "y": [safe(_name(lap)) for lap in laps],
+        "y": [_name(race, lap) for lap in laps],
         "x": [round(lap.service.profit, 2) for lap in laps],
         "text": [safe(profit_told(lap)) for lap in laps],
         "textposition": "none",
         "marker": {
             "color": [LOOKS[lap.policy][0] for lap in laps],
             "pattern": {
-                "shape": ["" if lap.keeps_limits else "/" for lap in laps],
+                "shape": ["/" if exceeding(race, lap) == race.network else "" for lap in laps],
                 "bgcolor": CLEAR,
                 "fgopacity": 0.9,
             },
@@ -65,6 +74,7 @@ def profit_figure(race: Race) -> Figure:
         "hovertemplate": "%{y}: %{text}<extra></extra>",
     }
     most = race.most_profit
+    told = [] if most is None else [_most_line(race, most)]
     return figure(
         [bars],
         BARS_PX + ROW_PX * max(1, len(laps)),
@@ -72,7 +82,7 @@ def profit_figure(race: Race) -> Figure:
         xaxis=value_axis("Profit of the day, $", range=_reach(race)),
         yaxis={"automargin": True, "ticksuffix": "  "},
         shapes=[] if most is None else [_line_at(most)],
-        annotations=[*_profits_told(race, laps), *([] if most is None else [_most_told(most)])],
+        annotations=[*_profits_told(race, laps), *told],
     )
 
 
@@ -83,7 +93,7 @@ def _profits_told(race: Race, laps: Sequence[Lap]) -> list[dict[str, Any]]:
             "x": _longest(race),
             "xshift": 6,
             "xanchor": "left",
-            "y": safe(_name(lap)),
+            "y": _name(race, lap),
             "showarrow": False,
             "text": safe(profit_told(lap)),
         }
@@ -102,8 +112,15 @@ def _reach(race: Race) -> list[float]:
     return [min(profits) - (room if min(profits) < 0 else 0.0), max(profits) + room]
 
 
-def _name(lap: Lap) -> str:
-    return lap.title if lap.keeps_limits else f"{lap.title} ({BREAKS})"
+def exceeding(race: Race, lap: Lap) -> Network | None:
+    """The model whose limits charging exceeds: that in which they are kept, else AC; or None."""
+    models: tuple[Network, Network] = (race.network, FULL_AC)
+    return next((model for model in models if lap.verdict(model).by_charging), None)
+
+
+def _name(race: Race, lap: Lap) -> str:
+    told = BREAKS[exceeding(race, lap)]
+    return safe(lap.title) + (f"<br>{told}" if told else "")
 
 
 def profit_told(lap: Lap) -> str:
@@ -118,7 +135,8 @@ def _line_at(most: float) -> dict[str, Any]:
     return {"type": "line", "x0": most, "x1": most, "yref": "paper", "y0": 0, "y1": 1, "line": line}
 
 
-def _most_told(most: float) -> dict[str, Any]:
+def _most_line(race: Race, most: float) -> dict[str, Any]:
+    told = _most_told(race, most)
     return {
         "x": most,
         "y": 1,
@@ -126,16 +144,25 @@ def _most_told(most: float) -> dict[str, Any]:
         "yanchor": "bottom",
         "xanchor": "right",
         "showarrow": False,
-        "text": safe(f"most within the limits: ${most:,.2f}"),
+        "text": safe(told),
         "font": {"size": FONT_PX, "color": VERMILLION},
     }
 
 
+def _most_told(race: Race, most: float) -> str:
+    beyond = ", over limits in AC" if race.network != FULL_AC and most_is_over_in_ac(race) else ""
+    kept = "AC" if race.network == FULL_AC else "linearised"
+    return f"most within {kept} limits{beyond}: ${most:,.2f}"
+
+
 def profit_alt(race: Race) -> str:
     """The bars in one sentence."""
-    told = ", ".join(f"{lap.title} {profit_told(lap)}" for lap in race.laps)
-    most = "" if race.most_profit is None else f" Most within the limits ${race.most_profit:,.2f}."
-    return f"Profit of the day by policy: {told}.{most}"
+    told = []
+    for lap in race.laps:
+        beyond = BREAKS[exceeding(race, lap)]
+        told.append(f"{lap.title} {profit_told(lap)}{f' ({beyond})' if beyond else ''}")
+    most = "" if race.most_profit is None else f" The {_most_told(race, race.most_profit)}."
+    return f"Profit of the day by policy: {', '.join(told)}.{most}"
 
 
 def load_figure(race: Race, policies: Sequence[str]) -> Figure:

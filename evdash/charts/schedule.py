@@ -42,8 +42,9 @@ def schedule_table(trace: Trace, outlook: Outlook) -> list[dict[str, object]]:
             "Option": row.request.option,
             "From": clock(outlook.times[row.request.arrival_interval], with_date=dated),
             "Promised by": clock(outlook.times[row.request.deadline_interval], with_date=dated),
-            "Promised, kWh": round(row.request.need_kwh, 2),
+            "Promised, kWh": round(row.promised_kwh, 2),
             "Delivered, kWh": round(row.delivered_kwh, 2),
+            "Missing, kWh": round(row.short_kwh, 2),
             "Done, %": row.percent,
             "Intervals charged": sum(t < outlook.now for t in row.power_kw),
             "Intervals planned": sum(t >= outlook.now for t in row.power_kw),
@@ -56,7 +57,9 @@ def schedule_alt(trace: Trace, outlook: Outlook) -> str:
     """The chart in one sentence."""
     rows = rows_of(trace)
     done = sum(row.percent == 100 for row in rows)
+    short = sum(bool(row.short_kwh) for row in rows)
     return (
         f"Chart of {len(rows)} vehicles under contract at {clock(outlook.clock)}, one row each: "
-        f"promised window, energy charged and energy planned. {done} are fully charged."
+        f"promised window, energy charged and energy planned. {done} are fully charged"
+        f"{f', {short} short of what they were promised' if short else ''}."
     )

@@ -7,7 +7,12 @@ from evdash.audit.coverage import MEANING, told_of
 from evdash.audit.objective import solves_p1
 from evdash.audit.record import RunRecord
 from evdash.cli.optimum import Proofs, prove
+from evdash.cli.report import SENTENCE_STYLE
 from evdash.cli.terminal import Terminal
+from evdash.domain.words import element_name
+from evdash.explain.words import Clock
+from evdash.metrics.verdict import FULL_AC, LINEARISED, verdict_of
+from evdash.metrics.verdict_words import MODEL, Wording, sentences
 
 SHOWN = 40
 BROKEN = 3
@@ -46,31 +51,31 @@ def _say_more(terminal: Terminal, count: int) -> None:
 
 
 def _say_feeder(terminal: Terminal, result: Audit) -> None:
-    by_station = sum(breach.by_station for breach in result.ac)
-    own = len(result.ac) - by_station
-    if by_station:
-        terminal.say((f"AC: {by_station} limits exceeded by the station", "bold red"))
-    if own or result.feeder_own:
-        told = (
-            f"outside by the feeder itself: {own} limits in AC, "
-            f"{len(result.feeder_own)} in the linearised model"
-        )
-        terminal.say((told, "bold yellow"))
-    if result.flow.diverged:
-        terminal.say((f"AC: no solution in {len(result.flow.diverged)} intervals", "bold red"))
+    """Limits exceeded in AC, and by the feeder itself in the linearised model."""
+    run = result.run
+    wording = Wording(
+        lambda one: element_name(one.limit, is_export=one.is_export), Clock(run.scenario, 0).at
+    )
+    judged = len(run.intervals)
+    models = (
+        verdict_of(LINEARISED, result.feeder_own, judged),
+        verdict_of(FULL_AC, result.ac, judged),
+    )
+    for one in sentences(models, wording):
+        if one.state in ("bad", "note"):
+            terminal.say((one.head, SENTENCE_STYLE[one.state]), f": {one.details}")
 
 
 def _say_sound(terminal: Terminal, run: RunRecord) -> None:
     statuses = [row.status for row in run.vehicles]
     released = statuses.count("released")
     given_up = f", {released} of them but for what drivers gave up" if released else ""
-    model = "AC" if run.network == "ac" else "the linearised model"
     terminal.say(
         ("ok", "bold green"),
         f" {run.scenario.name}: {len(statuses) - statuses.count('refused')} contracts kept"
-        f"{given_up}; in {model} the station worsens no limit of the feeder; "
-        f"{len(run.intervals)} intervals, {len(run.voltages)} voltages and all totals worked out "
-        "again",
+        f"{given_up}, no limit of the chargers exceeded and none of the feeder by charging "
+        f"{MODEL[run.network]}; {len(run.intervals)} intervals, {len(run.voltages)} voltages and "
+        "all totals worked out again",
     )
 
 

@@ -1,15 +1,15 @@
 """What a run prints: the day in one table, and loudly whatever is outside its limits."""
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from pathlib import Path
 
 from rich.table import Table
 from rich.text import Text
 
 from evdash.cli.terminal import Terminal, line
-from evdash.domain.breach import Breach
 from evdash.domain.trace import Trace
 from evdash.explain.binding import binding_told
+from evdash.explain.words import Clock
 from evdash.files.explanation_table import DayExplained
 from evdash.files.run_export import RunLabel, Verdict
 from evdash.metrics.ledger import LedgerEntry, ledger
@@ -20,9 +20,15 @@ from evdash.metrics.records import (
     vehicle_records,
 )
 from evdash.metrics.totals import Totals, totals
+from evdash.metrics.verdict_words import State, Wording, sentences
 
-SHOWN = 6
 HOURLY_ROWS = 48
+SENTENCE_STYLE: Mapping[State, str] = {
+    "bad": "bold red",
+    "note": "bold yellow",
+    "good": "green",
+    "open": "dim",
+}
 STATUS_STYLE = {"optimal": "green", "feasible": "yellow", "fallback": "red"}
 
 
@@ -166,41 +172,10 @@ def _print_verdict(terminal: Terminal, trace: Trace, verdict: Verdict) -> None:
     for entry in ledger(trace):
         if entry.status == "short":
             terminal.say(("broken:", "bold red"), f" {ledger_line(trace, entry)}")
-    groups = (
-        ("red", "broken by the station, linearised model", verdict.linear, True),
-        ("red", "broken by the station in AC", verdict.ac, True),
-        ("yellow", "outside by the feeder itself, linearised model", verdict.linear, False),
-        ("yellow", "outside by the feeder itself in AC", verdict.ac, False),
-    )
-    for colour, told, breaches, by_station in groups:
-        mine = [breach for breach in breaches if breach.by_station == by_station]
-        if mine:
-            terminal.say((f"{len(mine)} limits {told}:", f"bold {colour}"))
-            _print_breaches(terminal, trace, mine)
-    if verdict.flow.diverged:
-        clocks = [f"{trace.scenario.time_of(t):%H:%M}" for t in verdict.flow.diverged]
-        terminal.say(("AC power flow has no solution at", "bold red"), f" {', '.join(clocks)}")
+    wording = Wording.of(trace, Clock(trace.scenario, 0).at)
+    for one in sentences(verdict.models, wording):
+        details = f": {one.details}" if one.details else ""
+        terminal.say((one.head, SENTENCE_STYLE[one.state]), details)
     error = verdict.worst_voltage_error_pu
-    if not verdict.linear and not verdict.ac and not verdict.flow.diverged:
-        terminal.say(("every limit kept, in the linearised model and in AC", "green"))
     if error is not None:
         terminal.say(f"linearised voltages differ from AC by at most {error:.4f} pu")
-
-
-def _print_breaches(terminal: Terminal, trace: Trace, breaches: Iterable[Breach]) -> None:
-    """The worst interval of each element, deepest first."""
-    worst: dict[str, Breach] = {}
-    counts: dict[str, int] = {}
-    for breach in breaches:
-        counts[breach.element] = counts.get(breach.element, 0) + 1
-        if breach.element not in worst or breach.depth > worst[breach.element].depth:
-            worst[breach.element] = breach
-    deepest = sorted(worst.values(), key=lambda breach: -breach.depth)
-    for breach in deepest[:SHOWN]:
-        clock = f"{trace.scenario.time_of(breach.interval):%H:%M}"
-        terminal.say(
-            f"    {breach.element}: {counts[breach.element]} intervals, worst "
-            f"{breach.depth:.4g} {breach.unit} beyond at {clock}"
-        )
-    if len(deepest) > SHOWN:
-        terminal.say(f"    and {len(deepest) - SHOWN} more elements")

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from evdash.cli.terminal import Terminal, progress_bar
 from evdash.domain.study import Band
+from evdash.studies.beyond import beyond_told
 from evdash.studies.crew import Crew
 from evdash.studies.engine import Progress as Stand
 from evdash.studies.engine import run_study
@@ -113,6 +114,8 @@ def _report(found: Found, folder: StudyFolder) -> None:
         terminal.say(f"and {len(groups) - SHOWN_GROUPS} more in {SUMMARY}")
     if any(band.days > 1 for band in rows):
         terminal.say(("median (5 % to 95 % of days)", "dim"))
+    if beyond := beyond_told(found):
+        terminal.say((f"over all, {beyond}", "bold red"))
     _failures(terminal, found)
     terminal.say(f"written to {folder.path}")
 

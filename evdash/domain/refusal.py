@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
+from evdash.domain.words import element_name
+
 RefusalKind = Literal[
     "after the end",
     "no chargers",
@@ -102,18 +104,6 @@ class RefusalReason:
 
     def __str__(self) -> str:
         return f"{self.clause}: {figures}" if (figures := self.figures) else self.clause
-
-
-def element_name(element: str) -> str:
-    """A binding element in a few words: for labels and cells of a table."""
-    kind, _, name = element.partition(":")
-    words = {
-        "voltage_min": "voltage at",
-        "voltage_max": "voltage at",
-        "node": "rating of node",
-        "power_flow": "voltage collapse at",
-    }
-    return f"{words.get(kind, 'rating of')} {name}" if element else "nothing"
 
 
 def _unattainable(reason: RefusalReason) -> str:

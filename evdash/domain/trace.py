@@ -158,3 +158,7 @@ class Trace:
     @property
     def is_over(self) -> bool:
         return self.now >= self.scenario.intervals
+
+    def inputs_at(self, interval: int) -> Inputs:
+        """The inputs in force in an interval: then, or from now on as things stand."""
+        return self.steps[interval].inputs if interval < self.now else self.inputs

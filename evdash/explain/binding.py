@@ -7,12 +7,12 @@ import numpy as np
 
 from evdash.domain.limits import STATION
 from evdash.domain.trace import Step, Trace
-from evdash.explain.words import Clock, element_words
+from evdash.domain.words import CHARGERS, element_words
+from evdash.explain.words import Clock
 
 REACHED_KW = 0.05
 REACHED_SHARE = 1e-3
 """Within 0.05 kW or 0.1 % of its limit an element counts as reached."""
-CHARGERS = "chargers"
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping
 
 from evdash.domain.refusal import RefusalKind
 from evdash.domain.vehicles import Request
+from evdash.domain.words import element_words
 from evdash.explain.causes import Cause
 from evdash.explain.trials import Trials
-from evdash.explain.words import clock_of, counted, element_words, listed, money
+from evdash.explain.words import clock_of, counted, listed, money
 
 NAMED = 5
 

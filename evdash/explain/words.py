@@ -6,6 +6,7 @@ from datetime import datetime
 from itertools import groupby
 
 from evdash.domain.scenario import Scenario
+from evdash.domain.words import counted as counted  # noqa: PLC0414 - ours, too
 from evdash.explain.trials import Trials
 
 CENTS = 100
@@ -74,11 +75,6 @@ def listed(items: Sequence[str], joint: str = "and") -> str:
     return f"{', '.join(items[:-1])} {joint} {items[-1]}"
 
 
-def counted(number: int, one: str) -> str:
-    """`1 charger`, `3 chargers`."""
-    return f"{number} {one if number == 1 else one + 's'}"
-
-
 def money(usd: float) -> str:
     """`$1.20`, `-$0.35`; less than a cent is told as such."""
     if 0 < abs(usd) < 0.005:
@@ -89,20 +85,3 @@ def money(usd: float) -> str:
 def cents(usd: float) -> str:
     """`12.3 ¢`, with as many digits as matter."""
     return f"{usd * CENTS:.4g} ¢"
-
-
-def element_words(element: str, scenario: Scenario) -> str:
-    """A binding element as a person names it: `line or transformer 633-634 (500 kVA)`."""
-    kind, _, name = element.partition(":")
-    limits = scenario.feeder
-    if kind == "voltage_min":
-        return f"the lowest voltage allowed at node {name} ({limits.voltage_min_pu:g} pu)"
-    if kind == "voltage_max":
-        return f"the highest voltage allowed at node {name} ({limits.voltage_max_pu:g} pu)"
-    if kind == "power_flow":
-        return f"the power flow, which has no solution with more power at node {name},"
-    if kind == "node":
-        rating = next((n.rating_kva for n in scenario.nodes if n.node == name), None)
-        return f"the rating of node {name} ({rating or 0:g} kVA)"
-    rating = next((line.rating_kva for line in scenario.lines if line.name == name), None)
-    return f"line or transformer {name} ({rating or 0:g} kVA)" if kind == "line" else element

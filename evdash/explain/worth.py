@@ -8,8 +8,9 @@ from evdash.domain.events import Event
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Line, Node, Scenario
 from evdash.domain.trace import Inputs, Trace
+from evdash.domain.words import element_words
 from evdash.explain.binding import binding_elements
-from evdash.explain.words import counted, element_words, money
+from evdash.explain.words import counted, money
 from evdash.horizon.day import begin, run_day
 from evdash.horizon.networks import NETWORKS
 from evdash.horizon.requests import requests_by_interval

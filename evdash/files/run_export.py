@@ -32,6 +32,7 @@ from evdash.grid.radial import radial_feeder
 from evdash.metrics.breaches import charger_breaches, in_force_only
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.totals import Totals, totals
+from evdash.metrics.verdict import FULL_AC, LINEARISED, ModelVerdict, verdict_of
 
 PACKAGES = ("highspy", "pulp", "numpy", "scipy", "pandapower", "pydantic")
 
@@ -66,6 +67,15 @@ class Verdict:
         """Limits the station worsened in the network model whose limits were to be kept."""
         breaches = self.ac if network == "ac" else self.linear
         return tuple(breach for breach in breaches if breach.by_station)
+
+    @property
+    def models(self) -> tuple[ModelVerdict, ModelVerdict]:
+        """What either network model says of the day, to be told."""
+        intervals = len(self.flow.voltage_pu)
+        return (
+            verdict_of(LINEARISED, self.linear, intervals),
+            verdict_of(FULL_AC, self.ac, intervals),
+        )
 
     @property
     def worst_voltage_error_pu(self) -> float | None:

@@ -13,13 +13,15 @@ from evdash.grid.acflow import AcNetwork, AcResult
 
 @dataclass(frozen=True, slots=True)
 class AcPoint:
-    """One interval in AC: node voltages, NaN where there is no solution, and limits exceeded.
+    """One interval in AC: voltages (nodes,) and line flows (lines,), the larger of both ends, NaN
+    where there is no solution, and limits exceeded.
 
     `failure` says why the power flow could not be asked at all, and nothing is known then:
-    voltages are NaN, too, and no limit is called kept.
+    numbers are NaN, too, and no limit is called kept.
     """
 
     voltage_pu: Floats
+    line_kva: Floats
     breaches: tuple[Breach, ...]
     failure: str = ""
 
@@ -34,7 +36,8 @@ class AcPoint:
 
 def unchecked_point(scenario: Scenario, failure: str) -> AcPoint:
     """An interval of which AC power flow could say nothing."""
-    return AcPoint(np.full(len(scenario.nodes) - 1, np.nan), (), failure)
+    nodes, lines = len(scenario.nodes) - 1, len(scenario.lines)
+    return AcPoint(np.full(nodes, np.nan), np.full(lines, np.nan), (), failure)
 
 
 def without_station(network: AcNetwork, scenario: Scenario, interval: int) -> AcResult:
@@ -56,6 +59,5 @@ def ac_point(
     executed = network.flow(scenario, np.array([interval]), np.array([station_kw]))
     base = base or without_station(network, scenario, interval)
     breaches = ac_breaches(scenario, executed, base)
-    return AcPoint(
-        executed.voltage_pu[0], tuple(replace(breach, interval=interval) for breach in breaches)
-    )
+    told = tuple(replace(breach, interval=interval) for breach in breaches)
+    return AcPoint(executed.voltage_pu[0], executed.line_kva[0], told)

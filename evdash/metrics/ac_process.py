@@ -104,14 +104,18 @@ def _question(scenario: Scenario, interval: int, station_kw: float | None) -> di
 
 
 def _told(point: AcPoint) -> dict[str, object]:
-    breaches = [asdict(breach) for breach in point.breaches]
-    voltage_pu = point.voltage_pu.tolist()
-    return {"voltage_pu": voltage_pu, "breaches": breaches, "failure": point.failure}
+    return {
+        "voltage_pu": point.voltage_pu.tolist(),
+        "line_kva": point.line_kva.tolist(),
+        "breaches": [asdict(breach) for breach in point.breaches],
+        "failure": point.failure,
+    }
 
 
 def _point_of(told: Mapping[str, Any]) -> AcPoint:
     breaches = tuple(Breach(**breach) for breach in told["breaches"])
-    return AcPoint(np.array(told["voltage_pu"], dtype=float), breaches, told["failure"])
+    voltage_pu, line_kva = (np.array(told[key], dtype=float) for key in ("voltage_pu", "line_kva"))
+    return AcPoint(voltage_pu, line_kva, breaches, told["failure"])
 
 
 def answer_all(questions: IO[bytes], answers: IO[bytes]) -> None:

@@ -6,10 +6,9 @@ from evdash.checker.feeder import FeederCheck
 from evdash.domain.breach import Breach
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
+from evdash.domain.words import CHARGERS
 from evdash.metrics.outlook import spans_in_force
 from evdash.metrics.records import executed_station_kw
-
-CHARGERS = "chargers"
 
 
 def linear_breaches(trace: Trace) -> tuple[Breach, ...]:

@@ -1,11 +1,12 @@
 """The ledger: what became of every promise, since when that is known, and by which event."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
 from evdash.domain.events import Event
 from evdash.domain.trace import Happening, Revision, Trace
-from evdash.metrics.records import KEPT_WITHIN_KWH, VehicleRecord, vehicle_records
+from evdash.metrics.records import VehicleRecord, vehicle_records
 
 LedgerStatus = Literal["open", "kept", "short", "released"]
 
@@ -88,6 +89,11 @@ def ledger(trace: Trace) -> tuple[LedgerEntry, ...]:
     )
 
 
+def broken_promises(entries: Iterable[LedgerEntry]) -> tuple[LedgerEntry, ...]:
+    """Contracts that were not kept, or cannot be as things stand: known from that moment on."""
+    return tuple(entry for entry in entries if entry.status == "short")
+
+
 def change_of(happening: Happening, revision: Revision) -> Change:
     """What a happening did to one contract, and by which of its events."""
     own = tuple(e for e in happening.events if e.vehicle == revision.vehicle)
@@ -105,12 +111,8 @@ def change_of(happening: Happening, revision: Revision) -> Change:
 
 def _entry(record: VehicleRecord, changes: tuple[Change, ...]) -> LedgerEntry:
     request = record.request
-    known_short = sum(change.short_kwh for change in changes)
-    over = record.status != "charging"
-    missing = record.promised_kwh - record.delivered_kwh if over else known_short
-    short = missing if missing > KEPT_WITHIN_KWH else 0.0
-    status: LedgerStatus = "kept" if over else "open"
-    if short:
+    status: LedgerStatus = "open" if record.status == "charging" else "kept"
+    if record.short_kwh:
         status = "short"
     elif record.status == "released":
         status = "released"
@@ -122,7 +124,7 @@ def _entry(record: VehicleRecord, changes: tuple[Change, ...]) -> LedgerEntry:
         revised_kwh=record.promised_kwh,
         revised_by_interval=changes[-1].deadline_interval if changes else request.deadline_interval,
         delivered_kwh=record.delivered_kwh,
-        short_kwh=short,
+        short_kwh=record.short_kwh,
         released_kwh=sum(max(0.0, -change.more_kwh) for change in changes),
         status=status,
         changes=changes,

@@ -49,7 +49,7 @@ def spans_in_force(trace: Trace) -> list[tuple[Inputs, slice]]:
     """Which inputs were, and from now on will be, in force over which intervals."""
     spans: list[tuple[Inputs, slice]] = []
     for interval in range(trace.scenario.intervals):
-        inputs = trace.steps[interval].inputs if interval < trace.now else trace.inputs
+        inputs = trace.inputs_at(interval)
         if spans and spans[-1][0] is inputs:
             spans[-1] = (inputs, slice(spans[-1][1].start, interval + 1))
         else:

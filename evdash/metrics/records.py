@@ -13,6 +13,8 @@ from evdash.domain.trace import Step, Trace
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Contract, Request
 
 VehicleStatus = Literal["charged", "refused", "broken", "charging", "released"]
+Fate = VehicleStatus | Literal["short"]
+"""`short`: under contract, and it is known already that the promise cannot be kept."""
 KEPT_WITHIN_KWH = 0.01
 """A contract counts as kept if what it got is within this of what it was promised."""
 
@@ -42,7 +44,8 @@ class VehicleRecord:
     """One vehicle's fate so far. `completed_interval` is the one in which it got its last kWh.
 
     `promised_kwh` is what its contract is for: the need, or what was agreed with its driver
-    on the way. `released`: its driver gave up a part of it, and the rest was kept.
+    on the way, `short_kwh` what of it is missing, or known not to come as things stand.
+    `released`: its driver gave up a part of it, and the rest was kept.
     """
 
     request: Request
@@ -51,6 +54,12 @@ class VehicleRecord:
     delivered_kwh: float
     completed_interval: int | None
     promised_kwh: float
+    short_kwh: float = 0.0
+
+    @property
+    def fate(self) -> Fate:
+        """What has become of it, and is known to become of it."""
+        return "short" if self.status == "charging" and self.short_kwh else self.status
 
     @property
     def vehicle(self) -> str:
@@ -63,12 +72,12 @@ class VehicleRecord:
 
     @property
     def revenue(self) -> float:
-        """What it pays, $: for all it was promised, or for what it got where that was less."""
+        """What it pays, $: for all it was promised, or for what it gets where that is less."""
         if self.status == "refused":
             return 0.0
         if self.status in ("broken", "released"):
             return self.request.price_per_kwh * self.delivered_kwh
-        return self.request.price_per_kwh * self.promised_kwh
+        return self.request.price_per_kwh * (self.promised_kwh - self.short_kwh)
 
 
 def interval_record(step: Step) -> IntervalRecord:
@@ -134,8 +143,8 @@ def vehicle_records(trace: Trace) -> tuple[VehicleRecord, ...]:
                 status = _status(request, contract, got, trace.now)
             reason = reasons.get(request.vehicle)
             completed = last.get(request.vehicle) if status == "charged" else None
-            promised = contract.promised_kwh
-            records.append(VehicleRecord(request, status, reason, got, completed, promised))
+            promised, short = contract.promised_kwh, _short_kwh(contract, status, got)
+            records.append(VehicleRecord(request, status, reason, got, completed, promised, short))
     if trace.is_over:
         for request in trace.inputs.requests[trace.scenario.intervals]:
             refusal, need = request.refusal, request.need_kwh
@@ -159,6 +168,13 @@ def contracts_revised(trace: Trace) -> dict[str, Contract]:
         for happening in trace.happenings
         for revision in happening.revisions
     }
+
+
+def _short_kwh(contract: Contract, status: VehicleStatus, delivered_kwh: float) -> float:
+    """What is missing of a broken contract, or will be of one under way; too little is nothing."""
+    missing = {"broken": contract.promised_kwh - delivered_kwh, "charging": contract.short_kwh}
+    short = missing.get(status, 0.0)
+    return short if short > KEPT_WITHIN_KWH else 0.0
 
 
 def _status(request: Request, contract: Contract, delivered_kwh: float, now: int) -> VehicleStatus:

@@ -57,8 +57,8 @@ class Service:
     profit_of_best: float | None = figure(
         "Profit against perfect information",
         "%",
-        "Profit of the most any policy within the limits could have earned, proven by an oracle "
-        "that knows who will come.",
+        "Profit of the most any policy could have earned within the limits of the network model "
+        "kept, proven by an oracle that knows who will come.",
         1,
     )
     short_of_best: float | None = figure(

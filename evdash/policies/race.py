@@ -6,9 +6,10 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
+from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
 from evdash.domain.refusal import Given
-from evdash.domain.trace import Inputs, Trace
+from evdash.domain.trace import Inputs, Network, Trace
 from evdash.errors import InputError
 from evdash.grid.acflow import AcNetwork, AcResult
 from evdash.horizon.day import begin, run_day
@@ -16,6 +17,7 @@ from evdash.metrics.ac_day import AcDay, ac_base, ac_day
 from evdash.metrics.breaches import charger_breaches, linear_breaches
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.service import Service, service
+from evdash.metrics.verdict import FULL_AC, LINEARISED, ModelVerdict, verdict_of
 from evdash.policies.oracle import Oracle
 from evdash.policies.registry import RULES
 
@@ -43,7 +45,8 @@ class Lap:
 
     `station_kw`, `admitted` and `refused` have an entry for each interval, as has
     `lowest_ac_pu`, in pu, None where AC power flow has no solution. `limits_broken` counts what
-    the station broke in the network model whose limits are kept, and of its chargers.
+    the station broke in the network model whose limits are kept, and of its chargers; `verdicts`
+    are what the linearised model and AC power flow say.
     `capacity_price_per_kwh`, in $/kWh, is what an hour's capacity was held to be worth to others
     when it came; None where the policy prices none.
     """
@@ -55,6 +58,7 @@ class Lap:
     refused: tuple[int, ...]
     lowest_ac_pu: tuple[float | None, ...]
     limits_broken: int
+    verdicts: tuple[ModelVerdict, ModelVerdict]
     capacity_price_per_kwh: tuple[float | None, ...]
     turned_down: tuple[TurnedDown, ...]
 
@@ -62,6 +66,10 @@ class Lap:
     def title(self) -> str:
         """The policy's name in words."""
         return RULES[self.policy].title
+
+    def verdict(self, network: Network) -> ModelVerdict:
+        """What a network model says of the day."""
+        return next(found for found in self.verdicts if found.network == network)
 
     @property
     def keeps_limits(self) -> bool:
@@ -84,7 +92,7 @@ class Race:
     """
 
     scenario: str
-    network: str
+    network: Network
     seed: int | None
     start: datetime
     interval_minutes: int
@@ -192,6 +200,10 @@ class _Track:
 
 
 def _lap(name: str, trace: Trace, ac: AcDay, most_profit: float | None) -> Lap:
+    models: dict[Network, tuple[Breach, ...]] = {
+        LINEARISED: linear_breaches(trace),
+        FULL_AC: ac.breaches,
+    }
     return Lap(
         policy=name,
         service=service(trace, ac, most_profit),
@@ -199,7 +211,11 @@ def _lap(name: str, trace: Trace, ac: AcDay, most_profit: float | None) -> Lap:
         admitted=tuple(len(step.plan.admitted) for step in trace.steps),
         refused=tuple(len(step.plan.refused) for step in trace.steps),
         lowest_ac_pu=_finite(ac.flow.voltage_pu.min(axis=1)),
-        limits_broken=_limits_broken(trace, ac),
+        limits_broken=_limits_broken(trace, models[trace.inputs.network]),
+        verdicts=(
+            verdict_of(LINEARISED, models[LINEARISED], trace.now),
+            verdict_of(FULL_AC, models[FULL_AC], trace.now),
+        ),
         capacity_price_per_kwh=tuple(
             None if price is None else float(price[0])
             for price in (step.plan.capacity_price_per_kwh for step in trace.steps)
@@ -218,8 +234,7 @@ def _turned_down(trace: Trace) -> tuple[TurnedDown, ...]:
     )
 
 
-def _limits_broken(trace: Trace, ac: AcDay) -> int:
-    breaches = ac.breaches if trace.inputs.network == "ac" else linear_breaches(trace)
+def _limits_broken(trace: Trace, breaches: Iterable[Breach]) -> int:
     return sum(breach.by_station for breach in breaches) + len(charger_breaches(trace))
 
 

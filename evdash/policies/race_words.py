@@ -1,10 +1,20 @@
 """A race told: its figures as a table, and what it shows in plain sentences."""
 
+from collections.abc import Mapping
+
+from evdash.domain.trace import Network
+from evdash.domain.words import element_name
 from evdash.metrics.declared import figures_of
 from evdash.metrics.service import Service
-from evdash.policies.race import PAPERS, Lap, Race
+from evdash.metrics.verdict import FULL_AC, LINEARISED
+from evdash.metrics.verdict_words import MODEL, Wording, in_brief
+from evdash.policies.race import ORACLE, PAPERS, Race
 
-ANTICIPATING, LAWLESS = "bid-price", "uncoordinated"
+ANTICIPATING = "bid-price"
+LIMITS_OF: Mapping[Network, str] = {
+    LINEARISED: "of the linearised model",
+    FULL_AC: "of AC power flow",
+}
 
 
 def race_table(race: Race) -> list[tuple[str, list[str]]]:
@@ -29,8 +39,9 @@ def _acceptance_by_option(race: Race) -> list[tuple[str, list[str]]]:
 
 
 def race_sentences(race: Race) -> list[str]:
-    """What foresight is worth, how much of it statistics give, what no coordination does."""
-    told = (_foresight(race), _anticipation(race), _best_rule(race), _damage(race), _unsound(race))
+    """What foresight is worth, how much of it statistics give, and who exceeds which limits."""
+    earned = (_foresight(race), _anticipation(race), _best_rule(race))
+    told = (*earned, *_limits(race), _promises(race), _unsound(race))
     return [sentence for sentence in told if sentence]
 
 
@@ -38,11 +49,20 @@ def _foresight(race: Race) -> str:
     papers, worth, most = race.lap(PAPERS), race.value_of_foresight, race.most_profit
     if papers is None or worth is None or most is None:
         return ""
+    beyond = race.network != FULL_AC and most_is_over_in_ac(race)
     return (
         f"Knowing in advance who will come is worth {usd(worth)} on this day: at most {usd(most)} "
-        f"could have been earned within the limits, and the paper's rule earned "
-        f"{usd(papers.service.profit)}, {_per_cent(papers.service.profit_of_best)} % of it."
+        f"could have been earned within the limits {LIMITS_OF[race.network]}"
+        f"{' (by AC power flow such a day exceeds limits)' if beyond else ''}, and the paper's "
+        f"rule earned {usd(papers.service.profit)}, {_per_cent(papers.service.profit_of_best)} % "
+        "of it."
     )
+
+
+def most_is_over_in_ac(race: Race) -> bool:
+    """Whether the day that earns the most any policy could exceeds limits by AC power flow."""
+    best = race.lap(ORACLE)
+    return best is not None and bool(best.verdict(FULL_AC).by_charging)
 
 
 def _anticipation(race: Race) -> str:
@@ -72,38 +92,50 @@ def _best_rule(race: Race) -> str:
     )
 
 
-def _damage(race: Race) -> str:
-    lawless = race.lap(LAWLESS)
-    if lawless is None:
-        return ""
-    found = lawless.service
-    done = []
-    if found.ac_voltage_node_intervals:
-        done.append(
-            f"takes voltage beyond its limits in {found.ac_voltage_node_intervals} "
-            f"node-intervals, by up to {found.ac_voltage_depth_pu:.4f} pu and for up to "
-            f"{found.ac_voltage_longest_h:g} h"
-        )
-    if found.ac_overload_intervals:
-        done.append(
-            f"overloads lines, transformers or nodes in {found.ac_overload_intervals} "
-            f"element-intervals, by up to {found.ac_overload_kva:.0f} kVA and for up to "
-            f"{found.ac_overload_longest_h:g} h"
-        )
-    if found.ac_unsolved:
-        done.append(f"leaves AC power flow without a solution in {found.ac_unsolved} intervals")
-    if not done:
-        return "Uncoordinated charging keeps within every limit of the feeder in AC on this day."
-    return f"In full AC power flow, uncoordinated charging {'; it '.join(done)}."
+def _limits(race: Race) -> list[str]:
+    """Under whom charging exceeds which limits in either model, and under whom it does not."""
+    wording = Wording(
+        lambda one: element_name(one.limit, is_export=one.is_export),
+        lambda t: f"{race.times[t]:%H:%M}",
+    )
+    told = []
+    for network, model in MODEL.items():
+        verdicts = {lap.policy: lap.verdict(network) for lap in race.laps}
+        over = {name: found for name, found in verdicts.items() if found.by_charging}
+        free = [name for name in verdicts if name not in over]
+        if not over:
+            told.append(f"{_capital(model)}, charging exceeds no limit under any policy.")
+            continue
+        each = "; ".join(f"{name} ({in_brief(found, wording)})" for name, found in over.items())
+        head = f"{_capital(model)}, charging exceeds limits"
+        if free:
+            told.append(f"{head}: {each}; none under {', '.join(free)}.")
+        else:
+            told.append(f"{head} under every policy: {each}.")
+    return told
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _promises(race: Race) -> str:
+    broken = [
+        f"{lap.policy} ({lap.service.broken} of {lap.service.admitted})"
+        for lap in race.laps
+        if lap.service.broken
+    ]
+    return f"Promises were broken by {', '.join(broken)}." if broken else ""
 
 
 def _unsound(race: Race) -> str:
-    broken = [lap for lap in race.laps if not lap.is_sound]
-    return "" if not broken else f"Limits or promises were broken by {_names(broken)}."
-
-
-def _names(laps: list[Lap]) -> str:
-    return ", ".join(lap.policy for lap in laps)
+    broken = [lap.policy for lap in race.laps if not lap.is_sound]
+    if not broken:
+        return ""
+    return (
+        f"What was to keep every promise, and every limit {MODEL[race.network]}, did not: "
+        f"{', '.join(broken)}."
+    )
 
 
 def usd(value: float) -> str:

@@ -74,7 +74,7 @@ RULES: Mapping[str, Rule] = {
     ),
     "oracle": Rule(
         "Oracle",
-        "Knows in advance who will come: no policy within the limits can earn more.",
+        "Knows in advance who will come: no policy that keeps the same limits can earn more.",
         oracle,
     ),
 }

@@ -1,6 +1,6 @@
 """The charts of a report, each with its sentence, its alternative text and its table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,9 @@ from evdash.charts.schedule import GANTT_MOST, schedule_alt, schedule_figure, sc
 from evdash.charts.standalone import of_finished_day
 from evdash.charts.style import Figure, spans
 from evdash.charts.voltages import voltages_alt, voltages_figure, voltages_table
-from evdash.domain.refusal import element_name
+from evdash.domain.breach import Breach
+from evdash.domain.words import element_name
+from evdash.metrics.ac import AcPoint
 from evdash.metrics.feeder import flows, gaps
 from evdash.metrics.totals import totals
 from evdash.reports.account import Account
@@ -133,21 +135,23 @@ def gap_chart(account: Account) -> Chart:
 
 def feeder_chart(account: Account) -> Chart:
     """The feeder in the interval in which the station draws most."""
-    ahead = account.outlook
+    ahead, verdict = account.outlook, account.verdict
     t = int(np.argmax(ahead.station_kw))
     moment = Moment(
-        scenario=account.scenario,
+        scenario=account.trace.inputs_at(t).scenario,
         outlook=ahead,
         flows=flows(account.trace, ahead),
         layout=layout_of(account.scenario),
         interval=t,
-        ac_pu=_ac_voltages(account).get(t),
+        linear=_at(verdict.linear, t),
+        ac=AcPoint(verdict.flow.voltage_pu[t], verdict.flow.line_kva[t], _at(verdict.ac, t)),
     )
     return Chart(
         "feeder",
         f"The feeder when the station draws most, {spans(ahead)[t]}",
         "Square: the source; diamond: the station. Lines: the wider, the nearer to their rating. "
-        "The halo marks the tightest limit. Linearised.",
+        "The halo marks the tightest limit. Linearised; what AC power flow finds over a rating or "
+        "outside limits (rings) is told as well.",
         feeder_figure(moment),
         feeder_alt(moment),
         {"Its nodes": feeder_table(moment), "Its lines": lines_table(moment)},
@@ -169,6 +173,10 @@ def hot_spot_chart(account: Account) -> Chart | None:
         hot_spot_alt(*parts),
         {AS_TABLE: hot_spot_table(*parts)},
     )
+
+
+def _at(breaches: Iterable[Breach], interval: int) -> tuple[Breach, ...]:
+    return tuple(breach for breach in breaches if breach.interval == interval)
 
 
 def _ac_voltages(account: Account) -> dict[int, np.ndarray]:

@@ -6,20 +6,20 @@ import numpy as np
 
 from evdash.domain.breach import Breach
 from evdash.domain.limits import Floats
-from evdash.domain.refusal import element_name
+from evdash.domain.words import depth_words, element_name
 from evdash.explain.words import Clock
 from evdash.grid.radial import radial_feeder
 from evdash.metrics.ac_day import AcDay
 from evdash.metrics.ageing import Ageing
 from evdash.metrics.declared import figures_of
 from evdash.metrics.durations import Beyond, above, below
-from evdash.metrics.feeder import violations
 from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.outlook import spans_in_force
 from evdash.metrics.records import refused_by_reason, vehicle_records
 from evdash.metrics.service import Service, service
+from evdash.metrics.verdict import violations
 from evdash.reports.account import Account
-from evdash.reports.words import CAUSES, depth_words, violation_words
+from evdash.reports.words import CAUSES, violation_words
 
 Row = dict[str, object]
 VOLTAGE_STEP_PU = 0.01
@@ -143,7 +143,7 @@ def violation_rows(account: Account) -> list[Row]:
     )
     return [
         {
-            "Limit": element_name(found.element),
+            "Limit": element_name(found.limit, is_export=found.is_export),
             "Model": model,
             "Cause": CAUSES[found.cause],
             "Beyond by": depth_words(found.depth, found.unit),

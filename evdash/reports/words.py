@@ -4,13 +4,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from evdash.domain.breach import Breach
 from evdash.domain.events import Event
-from evdash.domain.refusal import element_name
 from evdash.domain.scenario import GeneratedArrivals, Scenario
-from evdash.explain.words import Clock, element_words
+from evdash.domain.words import counted as counted  # noqa: PLC0414 - ours, too
+from evdash.domain.words import element_words
+from evdash.explain.words import Clock
 from evdash.grid.lindistflow import load_kvar_of
-from evdash.metrics.feeder import Violation, violations
+from evdash.metrics.verdict import Violation
+from evdash.metrics.verdict_words import Wording, sentences
 from evdash.policies.registry import RULES
 from evdash.reports.account import Account, edited
 
@@ -27,11 +28,6 @@ CAUSES = {
     "both": "feeder and charging",
     "feeder": "feeder itself",
 }
-
-
-def counted(number: int, one: str, many: str | None = None) -> str:
-    """`1 vehicle`, `1,203 vehicles`."""
-    return f"{number:,} {one if number == 1 else many or one + 's'}"
 
 
 def money(usd: float) -> str:
@@ -62,54 +58,14 @@ def promises_line(account: Account) -> tuple[str, str]:
 
 def limit_lines(account: Account) -> list[tuple[str, str]]:
     """(state, sentence) for each network model: which limits were exceeded, and whose doing."""
-    verdict, scenario = account.verdict, account.scenario
-    lines = [
-        *_limit_lines("In the linearised model", verdict.linear, scenario),
-        *_limit_lines("By AC power flow", verdict.ac, scenario),
-    ]
-    if verdict.flow.diverged:
-        count = counted(len(verdict.flow.diverged), "interval")
-        lines.append(("bad", f"AC power flow has no solution in {count}."))
-    error = verdict.worst_voltage_error_pu
+    wording = Wording.of(account.trace, Clock(account.scenario, 0).at)
+    told = sentences(account.verdict.models, wording)
+    lines: list[tuple[str, str]] = [(one.state, one.text) for one in told]
+    error = account.verdict.worst_voltage_error_pu
     if error is not None:
-        told = f"At worst the linearised voltages are {error:.5f} pu from those of AC."
-        lines.append(("note", told))
+        apart = f"At worst the linearised voltages are {error:.5f} pu from those of AC."
+        lines.append(("note", apart))
     return lines
-
-
-def _limit_lines(
-    model: str, breaches: Iterable[Breach], scenario: Scenario
-) -> list[tuple[str, str]]:
-    found = violations(breaches)
-    if not found:
-        return [("good", f"{model} every limit of feeder and station held.")]
-    mine = [one for one in found if one.cause != "feeder"]
-    own = [one for one in found if one.cause == "feeder"]
-    lines = [("good", f"{model} charging exceeded or worsened no limit.")]
-    if mine:
-        limits = counted(len({one.element for one in mine}), "limit")
-        told = f"{model} {limits} exceeded because of charging: {_worst(mine, scenario)}."
-        lines = [("bad", told)]
-    if own:
-        limits = counted(len({one.element for one in own}), "limit")
-        told = f"{model} {limits} exceeded by the feeder itself: {_worst(own, scenario)}."
-        lines.append(("note", f"{told} Charging does not worsen that."))
-    return lines
-
-
-def _worst(found: list[Violation], scenario: Scenario) -> str:
-    """The longest of several violations in a few words."""
-    first = max(found, key=lambda one: (len(one.intervals), one.depth))
-    hours = scenario.interval_hours * len(first.intervals)
-    others = len({one.element for one in found}) - 1
-    rest = f", and {others:,} more" if others else ""
-    beyond = f"by up to {depth_words(first.depth, first.unit)} for {hours:g} h"
-    return f"{element_name(first.element)} {beyond}{rest}"
-
-
-def depth_words(depth: float, unit: str) -> str:
-    """How far a limit is exceeded, with as many digits as its unit deserves."""
-    return f"{depth:.4f} pu" if unit == "pu" else f"{depth:,.1f} {unit}"
 
 
 def feeder_words(scenario: Scenario) -> list[str]:

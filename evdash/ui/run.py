@@ -62,10 +62,13 @@ def stepped_back(run: Run) -> Run:
     return replace(run, trace=undone(run.trace), answer=None)
 
 
-def restarted(run: Run) -> Run:
-    """The start of the day, with the settings now in force; what happened is forgotten."""
+def restarted(run: Run, network: Network | None = None) -> Run:
+    """The start of the day, with the settings now in force; what happened is forgotten.
+
+    Limits are kept in `network`, by default in the model they are kept in now.
+    """
     scenario = with_settings_kept(run.trace, run.opened)
-    return replace(run, trace=start_day(scenario, run.trace.inputs.network), answer=None)
+    return replace(run, trace=start_day(scenario, network or run.trace.inputs.network), answer=None)
 
 
 def restored(run: Run) -> Run:

@@ -163,6 +163,11 @@ class Session:
         """Keep the limits of another network model from now on."""
         self._change(lambda run: runs.rewired(run, network))
 
+    def run_again_in(self, network: Network) -> None:
+        """Run the day from its start to its end, limits kept in this network model."""
+        self._change(lambda run: runs.restarted(run, network))
+        self.mode = "finishing"
+
     def open(self, folder: Path) -> None:
         """Open another bundled scenario."""
         self.take(runs.open_run(folder, bundled(folder)))

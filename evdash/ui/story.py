@@ -1,13 +1,15 @@
 """The run so far and what is ahead, in a few sentences: the head of the Live page."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 
 from evdash.domain.outlook import Outlook
-from evdash.domain.trace import Network, Trace
-from evdash.explain.binding import CHARGERS, REACHED_KW, reached_in
-from evdash.metrics.ac import AcPoint
+from evdash.domain.refusal import named
+from evdash.domain.trace import Trace
+from evdash.domain.words import CHARGERS
+from evdash.explain.binding import REACHED_KW, reached_in
+from evdash.metrics.ledger import LedgerEntry, broken_promises, ledger
 from evdash.metrics.records import refused_by_reason, vehicle_records
 from evdash.metrics.totals import Totals
 from evdash.ui.words import clock, counted, element_words, money, plain
@@ -18,35 +20,46 @@ def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
     if not trace.steps:
         return f"**The day is about to begin.** {_limit_ahead(trace, outlook)}"
     admitted = f"**{totals.admitted:,} of {counted(totals.arrived, 'PEV')} admitted**"
+    broken = _broken(broken_promises(ledger(trace)), outlook)
     if trace.is_over:
         return (
             f"**The day is over:** {admitted}{_kept(totals)}; "
             f"{totals.energy_delivered_kwh:,.0f}\u00a0kWh delivered for a profit of "
-            f"{money(totals.profit)}. {_why_not(trace)}{_limits_behind(trace, outlook)}"
+            f"{money(totals.profit)}. {broken}{_why_not(trace)}{_limits_behind(trace, outlook)}"
         )
     charging = int(trace.steps[-1].plan.charging[0])
-    return f"{admitted}, {charging} charging. {_limit_ahead(trace, outlook)}"
-
-
-def ac_told(found: Mapping[int, AcPoint], network: Network) -> str:
-    """In how many intervals the station exceeds a limit in AC, if in any."""
-    exceeded = sum(
-        point.checked and (not point.solved or any(b.by_station for b in point.breaches))
-        for point in found.values()
-    )
-    if not exceeded:
-        return ""
-    remedy = " With limits kept in **Full AC** it does not." if network == "lindistflow" else ""
-    return (
-        f":red[:material/warning: By AC power flow, which knows losses, the station exceeds a "
-        f"limit in {counted(exceeded, 'interval')}: see Voltages below.{remedy}]"
-    )
+    return f"{admitted}, {charging} charging. {broken}{_limit_ahead(trace, outlook)}"
 
 
 def _kept(totals: Totals) -> str:
-    if totals.broken:
-        return f", :red[{counted(totals.broken, 'contract')} broken]"
-    return ", every one charged in full and on time" if totals.admitted else ""
+    if totals.broken or not totals.admitted:
+        return ""
+    if totals.released:
+        return f", every promise kept, {totals.released:,} cut short by their drivers"
+    return ", every one charged in full and on time"
+
+
+def broken_told(entries: Sequence[LedgerEntry], now: int) -> str:
+    """How many promises are broken, and how many will be; nothing where all are or can be kept."""
+    over = sum(entry.revised_by_interval <= now for entry in entries)
+    ahead = len(entries) - over
+    told = [f"{counted(over, 'promise')} broken"] * (over > 0)
+    told += [f"{counted(ahead, 'promise')} cannot be kept as things stand"] * (ahead > 0)
+    return ", ".join(told)
+
+
+def _broken(entries: Sequence[LedgerEntry], outlook: Outlook) -> str:
+    """Promises not kept, or known not to be kept: whose, how much is missing, since when, why."""
+    if not entries:
+        return ""
+    missing_kwh = sum(entry.short_kwh for entry in entries)
+    who = named([plain(entry.vehicle) for entry in entries])
+    told = f"**{broken_told(entries, outlook.now)}**: {missing_kwh:,.1f}\u00a0kWh missing for {who}"
+    since = {entry.since_interval for entry in entries if entry.since_interval is not None}
+    if since:
+        causes = dict.fromkeys(plain(entry.cause) for entry in entries if entry.cause)
+        told += f", known since {clock(outlook.times[min(since)], outlook)}: {'; '.join(causes)}"
+    return f":red[:material/warning: {told}.] "
 
 
 def _why_not(trace: Trace) -> str:

@@ -3,16 +3,17 @@
 import math
 import re
 import string
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 
-from evdash.domain.breach import Breach
+from evdash.domain import words
 from evdash.domain.outlook import Outlook
 from evdash.domain.plan import SolveReport
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Step
-from evdash.metrics.ac import AcPoint
+from evdash.domain.trace import Step, Trace
+from evdash.domain.words import counted as counted  # noqa: PLC0414 - ours, too
+from evdash.metrics.verdict_words import Sentence, State, Wording
 
 _PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
 _TURNED = re.compile(r":(?=//|[\w+/-]+:)|@|www(?=\.)|[-<>~=](?=[->=])", re.IGNORECASE)
@@ -48,11 +49,6 @@ def clock(moment: datetime, outlook: Outlook) -> str:
     return moment.strftime("%H:%M, %d %b" if outlook.crosses_midnight else "%H:%M")
 
 
-def counted(number: int, one: str, many: str | None = None) -> str:
-    """A number with its noun, `1 vehicle`, `3 vehicles`."""
-    return f"{number:,} {one if number == 1 else many or one + 's'}"
-
-
 def markdown_table(rows: Sequence[Mapping[str, object]]) -> str:
     """Rows as a Markdown table, numbers to the right; user text in it is escaped."""
     if not rows:
@@ -70,25 +66,7 @@ def markdown_table(rows: Sequence[Mapping[str, object]]) -> str:
 
 def element_words(element: str, scenario: Scenario) -> str:
     """A binding element as a person would name it."""
-    kind, _, name = element.partition(":")
-    side = " against power flowing back" if name.endswith(":export") else ""
-    name = name.removesuffix(":export")
-    if kind == "voltage_min":
-        limit = scenario.feeder.voltage_min_pu
-        return f"the lowest voltage allowed at node {plain(name)} ({limit:g} pu)"
-    if kind == "voltage_max":
-        limit = scenario.feeder.voltage_max_pu
-        return f"the highest voltage allowed at node {plain(name)} ({limit:g} pu)"
-    if kind == "node":
-        rating = next((n.rating_kva for n in scenario.nodes if n.node == name), None)
-        return f"the rating of node {plain(name)} ({rating or 0:g} kVA){side}"
-    if kind == "power_flow":
-        return f"voltage collapse: beyond it power at node {plain(name)} has no AC solution"
-    line = next((line for line in scenario.lines if line.name == name), None)
-    if line is None:
-        return plain(name)
-    ends = f"{plain(line.from_node)}–{plain(line.to_node)}"
-    return f"line or transformer {ends} ({line.rating_kva or 0:g} kVA){side}"
+    return words.element_words(element, scenario, plain)
 
 
 def decision_title(step: Step, outlook: Outlook) -> str:
@@ -162,44 +140,22 @@ def quality(report: SolveReport) -> str:
     return f"**At most {money(gap_usd)} from the best possible**; stopped after {seconds}."
 
 
-def unchecked_lines(found: Mapping[int, AcPoint]) -> list[str]:
-    """Intervals of which AC power flow could say nothing, in red, a line for each reason."""
-    failed = Counter(point.failure for point in found.values() if not point.checked)
-    return [
-        f":red[:material/warning: {counted(intervals, 'interval')} could not be checked: the AC "
-        f"power flow itself failed ({plain(failure)}).]"
-        for failure, intervals in failed.items()
-    ]
+def wording(trace: Trace, outlook: Outlook) -> Wording:
+    """How sentences of a verdict call limits and times on a page."""
+    return Wording.of(trace, lambda t: clock(outlook.times[t], outlook), plain)
 
 
-def ac_lines(breaches: list[Breach], scenario: Scenario, outlook: Outlook) -> list[str]:
-    """Limits exceeded in AC: how far, where, how long, and whose doing it is."""
-    kinds: dict[str, list[Breach]] = defaultdict(list)
-    for breach in breaches:
-        # voltages of neighbouring nodes go down together: one line for all of them
-        kind = breach.element.partition(":")[0]
-        kinds[kind if breach.unit == "pu" else breach.element].append(breach)
-    return [_breach_words(found, scenario, outlook) for found in kinds.values()]
+def marked(sentence: Sentence) -> str:
+    """A sentence of a verdict with its colour and sign, its first part in bold."""
+    details = f": {sentence.details}" if sentence.details else ""
+    colour, icon = MARKS[sentence.state]
+    told = f":material/{icon}: **{sentence.head}**{details}."
+    return f":{colour}[{told}]" if colour else told
 
 
-def _breach_words(found: list[Breach], scenario: Scenario, outlook: Outlook) -> str:
-    worst = max(found, key=lambda breach: breach.depth)
-    depth = f"{worst.depth:.4f} pu" if worst.unit == "pu" else f"{worst.depth:,.1f} {worst.unit}"
-    side = "below" if worst.element.startswith("voltage_min") else "above"
-    others = len({breach.element for breach in found}) - 1
-    also = f", and at {counted(others, 'other node')}" if others else ""
-    intervals = len({breach.interval for breach in found})
-    return (
-        f"Up to {depth} {side} {element_words(worst.element, scenario)}{also}, in "
-        f"{counted(intervals, 'interval')}, worst at "
-        f"{clock(outlook.times[worst.interval], outlook)}: {_cause(found)}."
-    )
-
-
-def _cause(found: list[Breach]) -> str:
-    """Whose doing it is that limits are exceeded."""
-    if not any(breach.by_station for breach in found):
-        return "the feeder's own doing, with or without charging"
-    if not any(breach.base_depth > breach.tolerance for breach in found):
-        return "caused by the station; without charging the limit holds"
-    return "partly the feeder's own, and worsened by the station"
+MARKS: Mapping[State, tuple[str, str]] = {
+    "bad": ("red", "warning"),
+    "note": ("orange", "info"),
+    "good": ("green", "check_circle"),
+    "open": ("", "hourglass_top"),
+}

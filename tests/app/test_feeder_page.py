@@ -48,7 +48,7 @@ def changed(before: dict[str, Any], after: dict[str, Any]) -> set[str]:
 def test_every_preset_from_start_to_end(preset: str) -> None:
     at = feeder_page(preset)
     assert set(figures(at)) == CHARTS
-    assert "AC power flow follows" in texts(at) or "feeder itself" in texts(at)
+    assert "AC power flow checks each interval once it is over" in texts(at)
     clicked(at, "finish")
     assert session(at).run.trace.is_over
     last = session(at).run.trace.scenario.intervals - 1
@@ -92,7 +92,7 @@ def test_each_way_of_looking_changes_its_own_chart(key: str) -> None:
 
 def test_violations_of_the_station_in_ac_are_told_in_red() -> None:
     at = clicked(feeder_page("voltage-limited"), "finish")
-    assert told(at, "exceeded because of charging")
+    assert told(at, "By AC power flow, charging exceeds 8 limits")
     assert told(at, "pu apart")
     rows = next(f.value for f in at.dataframe if "Cause" in f.value)
     assert "AC" in set(rows["Model"])

@@ -2,10 +2,8 @@
 
 import re
 
-import numpy as np
 import pytest
 
-from evdash.domain.breach import Breach
 from evdash.domain.plan import SolveReport
 from evdash.domain.refusal import CLAUSES
 from evdash.domain.trace import Trace
@@ -14,13 +12,12 @@ from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.revise import revise
-from evdash.metrics.ac import AcPoint
 from evdash.metrics.outlook import outlook
 from evdash.metrics.records import interval_records
 from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
-from evdash.ui.story import ac_told, story
-from evdash.ui.words import ac_lines, decision_lines, element_words, money, plain, quality
+from evdash.ui.story import story
+from evdash.ui.words import decision_lines, element_words, money, plain, quality
 from tests.builders import line, make_scenario, node, vehicle
 
 P1 = p1_policy()
@@ -29,10 +26,6 @@ P1 = p1_policy()
 @pytest.fixture(scope="module")
 def day() -> Trace:
     return start_day(read_scenario(DEFAULT))
-
-
-def point(*breaches: Breach) -> AcPoint:
-    return AcPoint(np.array([1.0]), breaches)
 
 
 def told(trace: Trace) -> str:
@@ -90,16 +83,6 @@ def test_a_day_that_is_over_is_told_as_it_was_whatever_is_set_for_its_next_run(d
     )
 
 
-def test_limits_exceeded_in_ac_are_told_at_the_head_of_the_page(day: Trace) -> None:
-    by_station = Breach(18, "line:633-634", 9.4, 0.0, "kVA", 1e-3)
-    own = Breach(19, "voltage_min:652", 0.01, 0.01, "pu", 1e-6)
-    points = {18: point(by_station), 19: point(own), 20: point()}
-    assert "the station exceeds a limit in 1 interval:" in ac_told(points, "lindistflow")
-    assert "Full AC" in ac_told(points, "lindistflow")
-    assert "Full AC" not in ac_told(points, "ac")
-    assert ac_told({19: point(own), 20: point()}, "lindistflow") == ""
-
-
 def test_the_decision_names_who_was_refused_and_why(day: Trace) -> None:
     trace = run_day(day, P1)
     evening = trace.steps[21]
@@ -118,23 +101,6 @@ def test_quality_is_told_in_plain_words() -> None:
     assert "\\$0.55" in quality(SolveReport("feasible", -5.0, -5.55, 20.0))
     assert "not proven" in quality(SolveReport("feasible", -5.0, None, 20.0))
     assert "previous plan" in quality(SolveReport("fallback", 1.0, None, 0.0, "no plan"))
-
-
-def test_violations_are_put_down_to_whoever_causes_them(day: Trace) -> None:
-    ahead = outlook(day)
-    by_station = Breach(18, "line:633-634", 9.4, 0.0, "kVA", 1e-3)
-    own = Breach(19, "voltage_min:652", 0.01, 0.01, "pu", 1e-6)
-    both = Breach(20, "voltage_min:652", 0.02, 0.01, "pu", 1e-6)
-    assert (
-        "9.4 kVA above line or transformer 633–634"
-        in ac_lines([by_station], day.scenario, ahead)[0]
-    )
-    assert "caused by the station" in ac_lines([by_station], day.scenario, ahead)[0]
-    assert "the feeder's own doing" in ac_lines([own], day.scenario, ahead)[0]
-    mixed = ac_lines([own, both], day.scenario, ahead)
-    assert len(mixed) == 1
-    assert "worsened by the station" in mixed[0]
-    assert "in 2 intervals" in mixed[0]
 
 
 @pytest.mark.parametrize(

@@ -47,11 +47,13 @@ def test_what_charging_breaks_in_ac_is_never_hidden(browser: Browser, server: st
     with visiting(browser, "dark") as page:
         opened(page, f"{server}/feeder?preset=voltage-limited")
         run_to_end(page)
-        page.get_by_text("exceeded because of charging").first.wait_for()
+        page.get_by_text("By AC power flow, charging exceeds 8 limits").first.wait_for()
         settled(page)
         expect(page.get_by_text("Because of charging", exact=True)).to_be_visible()
         move_hour(page, "ArrowLeft", 6)
-        expect(page.locator(".st-key-feeder_moment")).to_contain_text("below the lowest allowed")
+        expect(page.locator(".st-key-feeder_moment")).to_contain_text(
+            "the lowest voltage allowed at node 652"
+        )
         page.get_by_text("Difference").first.click()
         settled(page)
         drawing = page.locator(".st-key-chart_feeder")

@@ -24,7 +24,7 @@ def test_the_story_from_start_to_end(live: LivePage) -> None:
     for name in CHARTS:
         expect(live.chart(name)).to_have_count(1)
     # The AC check comes by itself, a little later, and puts the overload down to the station.
-    live.page.get_by_text("caused by the station").wait_for()
+    live.page.get_by_text("By AC power flow, charging exceeds 1 limit").first.wait_for()
     live.settled().press("reset").shows(0)
 
 

@@ -25,7 +25,7 @@ def test_policies_race_beside_the_page(live: LivePage) -> None:
     start.click()
     page.locator(".st-key-race_figures").wait_for(timeout=PATIENCE_MS)
     told = page.locator(".st-key-race_told")
-    expect(told).to_contain_text("uncoordinated charging")
+    expect(told).to_contain_text("charging exceeds limits")
     for chart in ("profit", "load"):
         expect(page.locator(f".st-key-chart_race_{chart} .js-plotly-plot")).to_have_count(1)
     figures = page.locator(".st-key-race_figures")

@@ -13,13 +13,22 @@ from hypothesis import given
 from evdash.charts.ac_gap import ac_gap_alt, ac_gap_figure, ac_gap_table
 from evdash.charts.feeder import feeder_figure
 from evdash.charts.feeder_layout import layout_of
-from evdash.charts.feeder_moment import Moment, feeder_alt, feeder_table, lines_table
+from evdash.charts.feeder_moment import (
+    Moment,
+    feeder_alt,
+    feeder_table,
+    lines_table,
+    loading_told,
+    percent_told,
+)
 from evdash.charts.headroom import headroom_alt, headroom_figure, headroom_table
 from evdash.charts.voltage_map import map_figure
+from evdash.domain.breach import Breach
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.horizon.day import run_day, start_day
-from evdash.metrics.feeder import flows, gaps
+from evdash.metrics.ac import AcPoint
+from evdash.metrics.feeder import day_breaches, flows, gaps
 from evdash.metrics.outlook import outlook
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import line, make_scenario, node, trees, vehicle
@@ -35,6 +44,17 @@ def moment(trace: Trace, interval: int = EVENING, **fields: Any) -> Moment:
     )
 
 
+def in_ac(trace: Trace, interval: int, *breaches: Breach) -> AcPoint:
+    """Something like AC: a little lower, and a little more in the lines."""
+    ahead = outlook(trace)
+    kva = 1.02 * flows(trace, ahead).line_kva[interval]
+    return AcPoint(ahead.voltage_pu[interval] - 0.01, kva, breaches)
+
+
+def breach(element: str, depth: float, unit: str = "kVA", interval: int = EVENING) -> Breach:
+    return Breach(interval, element, depth, 0.0, unit, 1e-6, element.endswith(":export"))
+
+
 def names_of(trace: Trace) -> dict[str, str]:
     return {element: f"limit {element}" for element in outlook(trace).binding if element}
 
@@ -46,7 +66,7 @@ def figures_of(trace: Trace) -> list[dict[str, Any]]:
     order = layout_of(trace.scenario).order
     return [
         *(feeder_figure(moment(trace, last, way=way)) for way in ("with", "without", "difference")),
-        feeder_figure(moment(trace, last, ac_pu=ahead.voltage_pu[last] - 0.01)),
+        feeder_figure(moment(trace, last, ac=in_ac(trace, last))),
         *(map_figure(ahead, ac, order, way) for way in ("with", "without", "difference")),
         headroom_figure(ahead, names_of(trace)),
         ac_gap_figure(ahead, gaps(ahead, ac)),
@@ -122,9 +142,11 @@ def test_nodes_outside_limits_are_marked_by_shape_for_each_model(traces) -> None
     low = ahead.voltage_pu.copy()
     place = ahead.nodes.index("652")
     low[EVENING, place] = 0.96
-    ac = ahead.voltage_pu[EVENING].copy()
-    ac[ahead.nodes.index("611")] = 0.95
-    shown = replace(moment(trace), outlook=replace(ahead, voltage_pu=low), ac_pu=ac)
+    shown = replace(
+        moment(trace, ac=in_ac(trace, EVENING, breach("voltage_min:611", 0.02, "pu"))),
+        outlook=replace(ahead, voltage_pu=low),
+        linear=(breach("voltage_min:652", 0.01, "pu"),),
+    )
     figure = feeder_figure(shown)
     linear, by_ac = named(figure, "Outside limits"), named(figure, "Outside limits in AC")
     assert (linear["x"], linear["y"]) == ([100.0], [0.0])
@@ -190,7 +212,10 @@ def test_ac_below_the_limit_is_red_and_crossed(traces) -> None:
     low = named(figure, "AC below the lowest allowed")
     assert low["x"] == ["2020-07-15T18:30"]
     assert low["marker"]["symbol"] == "x"
-    assert [row["AC within limits"] for row in ac_gap_table(ahead, found)] == ["yes", "no"]
+    assert [row["AC below the lowest allowed"] for row in ac_gap_table(ahead, found)] == [
+        "no",
+        "yes",
+    ]
     assert "0.0200 pu" in ac_gap_alt(ahead, found)
     assert "no interval" in ac_gap_alt(ahead, ())
 
@@ -254,3 +279,66 @@ def test_names_cannot_become_markup() -> None:
         for text in texts_in(figure["data"]) + texts_in(figure["layout"]):
             assert "<i>" not in text
             assert "$" not in text
+
+
+@pytest.mark.parametrize(
+    ("share", "is_over", "told"),
+    [
+        (1.0188, True, "102 %"),
+        (1.0, False, "100 %"),
+        (0.996, False, "100 %"),
+        (1.004, True, "100.40 %"),
+        (1.00001, True, "just over 100 %"),
+        (float("inf"), True, "rated 0 kVA"),
+    ],
+)
+def test_a_loading_is_never_rounded_to_the_other_side(
+    share: float, is_over: bool, told: str
+) -> None:
+    assert percent_told(share, is_over=is_over) == told
+
+
+def test_a_line_over_its_rating_in_ac_alone_is_drawn_and_told_as_such(traces) -> None:
+    trace = traces["end"]
+    row = [one.name for one in trace.scenario.lines].index("633-634")
+    ac = in_ac(trace, EVENING, breach("line:633-634", 9.4))
+    ac.line_kva[row] = 509.4
+    shown = moment(trace, ac=ac)
+    figure = feeder_figure(shown)
+    assert named(figure, "Over its rating")["x"][:2] == [350.0, 400.0]
+    assert "80–100 %" not in {drawn.get("name") for drawn in figure["data"]}
+    assert loading_told(shown, row) == "100 %, AC 102 %"
+    assert any("100 %<br>AC 102 %" in drawn.get("text", ()) for drawn in figure["data"])
+    assert any(
+        "509.4 kVA by AC power flow (100 %, AC 102 %)" in text
+        for drawn in figure["data"]
+        for text in drawn.get("hovertext") or ()
+    )
+    assert "Outside limits, AC: rating of 633-634." in feeder_alt(shown)
+    cells = next(one for one in lines_table(shown) if one["Line"] == "633–634")
+    assert (cells["Loading, %"], cells["Loading by AC, %"]) == (99.8, 101.9)
+    assert cells["Over its rating"] == "AC"
+    without = moment(trace, ac=ac, way="without")
+    assert "Over its rating" not in {one.get("name") for one in feeder_figure(without)["data"]}
+
+
+def test_a_node_over_its_own_rating_is_marked_too(traces) -> None:
+    trace = traces["end"]
+    figure = feeder_figure(moment(trace, linear=(breach("node:634:export", 5.0),)))
+    assert named(figure, "Outside limits")["x"] == [400.0]
+
+
+def test_a_line_is_held_against_the_rating_then_in_force() -> None:
+    """60 kW at a power factor of 0.9 flow all day; the rating falls from 100 to 50 kVA at 02:00."""
+    event = {"interval": 2, "event": "rating", "subject": "line:s-a", "value": 50.0}
+    scenario = make_scenario(
+        nodes=[node("s"), node("a", load_kw=60)], lines=[line("s", "a", rating=100)], events=[event]
+    )
+    trace = run_day(start_day(scenario), p1_policy())
+    breaches = day_breaches(trace, outlook(trace).station_kw)
+    for interval, told, over in ((1, "67 %", False), (3, "133 %", True)):
+        linear = tuple(one for one in breaches if one.interval == interval)
+        shown = moment(trace, interval, linear=linear)
+        assert loading_told(shown, 0) == told
+        names = {one.get("name") for one in feeder_figure(shown)["data"]}
+        assert ("Over its rating" in names) == over

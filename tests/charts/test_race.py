@@ -20,7 +20,7 @@ def test_bars_by_profit_and_the_line_at_the_most():
     figure = profit_figure(found)
     (bars,) = figure["data"]
     assert bars["x"] == sorted(bars["x"])
-    lawless = bars["y"].index("Uncoordinated (breaks limits)")
+    lawless = bars["y"].index("Uncoordinated<br>breaks limits")
     assert [shape != "" for shape in bars["marker"]["pattern"]["shape"]].index(True) == lawless
     assert [shape["x0"] for shape in figure["layout"]["shapes"]] == [found.most_profit]
     assert figure["layout"]["xaxis"]["range"][1] > max(bars["x"])

@@ -46,11 +46,14 @@ def test_ac_violations_of_a_linear_run_are_loud_but_no_failure(tmp_path, command
     preset = PRESETS / "voltage-limited"
     status, out, _ = command("run", preset, "--out", tmp_path / "linear")
     assert status == 0
-    assert "broken by the station in AC" in out
+    assert (
+        "By AC power flow, charging exceeds 8 limits: the lowest voltage allowed at node 652" in out
+    )
     assert summary(tmp_path / "linear")["ac_limits_broken_by_station"]
     status, out, _ = command("run", preset, "--network", "ac", "--out", tmp_path / "ac")
     assert status == 0
-    assert "broken by the station" not in out
+    assert "charging exceeds" not in out
+    assert "By AC power flow, the feeder by itself exceeds 8 limits" in out
     assert summary(tmp_path / "ac")["ac_limits_broken_by_station"] == []
 
 

@@ -39,7 +39,7 @@ def test_headroom_set_by_the_transformer():
     told = explained(scenario)
     assert told.cause.kind == "feeder"
     assert told.cause.taken.headroom == ((0, "line:m-a"),)
-    assert "line or transformer m-a (40 kVA)" in told.detail
+    assert "line or transformer m–a (40 kVA)" in told.detail
     assert by(told)["headroom"] == 1.0
 
 

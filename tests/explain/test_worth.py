@@ -44,7 +44,7 @@ def test_worths_equal_running_the_day_by_hand(bundled):
         assert worth.admitted == after.admitted - before.admitted
         assert worth.text.startswith(worth.what)
     assert "one more charger" in worths[0].what.lower()
-    assert "633-634" in worths[1].what
+    assert "633–634" in worths[1].what
     assert worths[2].text.endswith("would have changed nothing.")
 
 
@@ -124,7 +124,7 @@ def test_a_lowered_rating_is_raised_where_it_was_lowered(bundled):
 
 def test_what_binds_is_told_with_its_hours(bundled):
     told = " ".join(binding_told(bundled))
-    assert "Line or transformer 633-634 (500 kVA) sets the headroom from 00:00 to 24:00" in told
+    assert "Line or transformer 633–634 (500 kVA) sets the headroom from 00:00 to 24:00" in told
     full = next(row for row in binding_elements(bundled) if row.element == CHARGERS).reached
     assert f"All chargers are in use {Clock(bundled.scenario, 0).spans(full)}." in told
     assert binding_told(start_day(bundled.scenario)) == ()

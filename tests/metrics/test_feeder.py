@@ -12,9 +12,9 @@ from evdash.metrics.feeder import (
     flows,
     gaps,
     tightest,
-    violations,
 )
 from evdash.metrics.outlook import outlook
+from evdash.metrics.verdict import violations
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import line, make_scenario, node, scenarios, vehicle
 
@@ -64,7 +64,7 @@ def test_a_feeder_outside_its_limits_by_itself_is_not_the_stations_doing() -> No
         vehicles=[vehicle("v")],
     )
     trace = run_day(start_day(scenario), p1_policy())
-    found = violations(day_breaches(trace, outlook(trace)))
+    found = violations(day_breaches(trace, outlook(trace).station_kw))
     assert {v.element for v in found} == {"voltage_min:b", "line:s-b"}
     assert {v.cause for v in found} == {"feeder"}
     assert all(v.depth == v.base_depth and len(v.intervals) == 4 for v in found)
@@ -80,7 +80,9 @@ def test_p1_never_causes_a_violation_of_the_model_it_keeps() -> None:
     )
     trace = run_day(start_day(scenario), p1_policy())
     assert any(step.plan.refused for step in trace.steps)  # the rating does bind
-    assert all(v.cause == "feeder" for v in violations(day_breaches(trace, outlook(trace))))
+    assert all(
+        v.cause == "feeder" for v in violations(day_breaches(trace, outlook(trace).station_kw))
+    )
 
 
 def test_the_tightest_limits_come_first_and_set_the_headroom() -> None:

@@ -72,7 +72,8 @@ def test_only_who_keeps_no_limits_breaks_any(raced):
     assert set(broken.values()) == {0}
     assert all(lap.is_sound for lap in raced.laps)  # it is not to keep them
     damage = next(told for told in race_sentences(raced) if "uncoordinated" in told)
-    assert "overloads" in damage
+    assert "In the linearised model, charging exceeds limits: uncoordinated (" in damage
+    assert "; none under " in damage
 
 
 @settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -30,7 +30,7 @@ FIGURES = (
     Figure("Asked, vehicles", lambda k: k.day.arrived),
     Figure("Admitted, vehicles", lambda k: k.day.admitted),
     Figure("Refused, vehicles", lambda k: k.day.refused),
-    Figure("Contracts broken", lambda k: k.day.broken),
+    Figure("Broken promises", lambda k: k.broken),
     Figure("Energy delivered, kWh", lambda k: k.day.energy_delivered_kwh, ",.1f"),
     Figure("Revenue", lambda k: k.day.revenue, ",.2f", dollars=True),
     Figure("Energy cost", lambda k: k.day.energy_cost, ",.2f", dollars=True),
@@ -38,7 +38,8 @@ FIGURES = (
     Figure("Peak station load, kW", lambda k: k.day.peak_station_kw, ",.1f"),
     Figure("Lowest voltage, linearised, pu", lambda k: k.lowest_voltage_pu, ".4f"),
     Figure("Lowest voltage, AC, pu", lambda k: k.lowest_ac_pu, ".4f"),
-    Figure("Intervals outside limits in AC", lambda k: k.ac_breached),
+    Figure("Charging beyond limits in AC, intervals", lambda k: k.ac_breached),
+    Figure("Feeder itself beyond limits in AC, intervals", lambda k: k.ac_breached_by_feeder),
     Figure("Solving, all intervals, s", lambda k: k.solve_seconds, ",.2f"),
     Figure("Solving, slowest interval, s", lambda k: k.worst_solve_seconds, ",.2f"),
 )
@@ -57,14 +58,14 @@ def figures(held: list[Held], against: Held) -> None:
     if waiting:
         st.caption(
             f":material/hourglass_top: {counted(waiting, 'interval')} still being checked by AC "
-            "power flow; the two AC rows are of those known so far."
+            "power flow; the three AC rows are of those known so far."
         )
     for run in held:
         unchecked = found[run.name].ac_unchecked
         if unchecked:
             st.caption(
                 f":red[:material/warning: **{plain(run.name)}**: {counted(unchecked, 'interval')} "
-                "could not be checked by AC power flow; the two AC rows leave them out.]"
+                "could not be checked by AC power flow; the three AC rows leave them out.]"
             )
     apart(_look_again, POLL_SECONDS if waiting else None)(held, waiting)
 
@@ -131,7 +132,20 @@ def in_words(base: KeyFigures, other: KeyFigures, name: str, against: str) -> st
         f"peak load {abs(peak):,.1f} kW {_side(peak)}" if round(peak, 1) else "",
     ]
     said = ", ".join(part for part in parts if part) or "no difference in admissions or money"
-    return f"**{plain(name)}** against **{plain(against)}**: {said}."
+    return f"**{plain(name)}** against **{plain(against)}**: {said}.{_beyond(base, other)}"
+
+
+def _beyond(base: KeyFigures, other: KeyFigures) -> str:
+    """What money was earned beyond: promises and limits, so that none is told as if within."""
+    told = []
+    if base.broken or other.broken:
+        told.append(f"breaks {counted(other.broken, 'promise')}, against {base.broken:,}")
+    if base.ac_breached or other.ac_breached:
+        told.append(
+            f"charges beyond limits in AC in {counted(other.ac_breached, 'interval')}, against "
+            f"{base.ac_breached:,}"
+        )
+    return f" It {' and '.join(told)}." if told else ""
 
 
 def _side(difference: float) -> str:

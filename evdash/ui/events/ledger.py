@@ -12,7 +12,7 @@ from evdash.ui.events.words import (
 )
 from evdash.ui.parts import table, view
 from evdash.ui.session import Session
-from evdash.ui.words import clock, counted
+from evdash.ui.words import clock
 
 MOST_STORIES = 8
 LEDGER_HELP = (
@@ -23,17 +23,15 @@ LEDGER_HELP = (
 
 
 def notice(session: Session) -> None:
-    """While a promise is short: that nobody new is admitted, and what the last event did."""
+    """While a promise is short: that nobody new is admitted, and until when."""
     trace, ahead = session.run.trace, view(session)
     if trace.is_over or not trace.state.is_short:
         return
     short = [c for c in (*trace.state.contracts, *trace.state.waiting) if c.is_short]
     last = max(c.request.deadline_interval for c in short)
-    missing = sum(contract.short_kwh for contract in short)
     with st.container(key="promises_short"):
         st.warning(
-            f"**{counted(len(short), 'promise')} cannot be kept as things stand:** "
-            f"{missing:.1f} kWh are short. Nobody new is admitted before that is over, at "
+            f"**Nobody new is admitted** while a promise already made cannot be kept: until "
             f"{clock(ahead.times[last], ahead)} at the latest.",
             icon=":material/warning:",
         )

@@ -12,13 +12,14 @@ from evdash.ui.feeder.findings import WAYS, moment_at
 from evdash.ui.feeder.words import moment_lines, tightest_rows
 from evdash.ui.parts import chart, small_table, table_below, view
 from evdash.ui.session import Session
+from evdash.ui.words import wording
 
 MOST_LIMITS = 5
 DRAWING_HELP = (
     "Colour: voltage; the limits are marked on the bar. Square: the source, where the feeder is "
     "supplied; diamond: the charging station. Lines: the wider, the nearer to their rating, which "
-    "the number says in %. The halo marks the tightest limit. Red crosses: outside limits in the "
-    "linearised model; red rings: outside in AC power flow."
+    "the number says in %; dotted red: over it in either model. The halo marks the tightest limit. "
+    "Red crosses: outside limits in the linearised model; red rings: outside in AC power flow."
 )
 
 
@@ -51,12 +52,12 @@ def _drawing(session: Session) -> None:
             "feeder",
             lambda: feeder_figure(moment),
             feeder_alt(moment),
-            detail=(hour, way, moment.ac_pu is not None),
+            detail=(hour, way, moment.ac is not None),
         )
     with right, st.container(key="feeder_moment"):
         when = "executed" if hour < ahead.now else "planned"
         st.markdown(f"#### {words[hour]} · {when}")
-        for line in moment_lines(moment):
+        for line in moment_lines(moment, wording(session.run.trace, ahead)):
             st.markdown(line)
         if limits := tightest(session.run.trace, hour, MOST_LIMITS):
             small_table(tightest_rows(limits), height=240)

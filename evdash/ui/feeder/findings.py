@@ -3,9 +3,12 @@
 from evdash.charts.feeder_layout import Layout, layout_of
 from evdash.charts.feeder_moment import Moment
 from evdash.charts.voltage_map import AcVoltages, MapWay
+from evdash.domain.breach import Breach
+from evdash.domain.outlook import Outlook
 from evdash.domain.scenario import Scenario
+from evdash.domain.trace import Trace
 from evdash.metrics.ac import AcPoint
-from evdash.metrics.feeder import Flows, flows
+from evdash.metrics.feeder import Flows, day_breaches, flows
 from evdash.ui.parts import view
 from evdash.ui.referee import referee
 from evdash.ui.session import Session
@@ -41,13 +44,22 @@ def ac_voltages(points: dict[int, AcPoint]) -> AcVoltages:
 
 def moment_at(session: Session, interval: int, way: MapWay) -> Moment:
     """The feeder in one interval."""
-    point = ac_points(session).get(interval)
+    trace, ahead = session.run.trace, view(session)
+    loaded, without = session.once("breaches", lambda: _breaches(trace, ahead))
     return Moment(
-        scenario=session.run.trace.scenario,
-        outlook=view(session),
+        scenario=trace.inputs_at(interval).scenario,
+        outlook=ahead,
         flows=flows_of(session),
         layout=layout_in(session),
         interval=interval,
         way=way,
-        ac_pu=None if point is None else point.voltage_pu,
+        linear=tuple(breach for breach in loaded if breach.interval == interval),
+        without=tuple(breach for breach in without if breach.interval == interval),
+        ac=ac_points(session).get(interval),
     )
+
+
+def _breaches(trace: Trace, ahead: Outlook) -> tuple[tuple[Breach, ...], tuple[Breach, ...]]:
+    """Limits exceeded in the linearised model, with the station and without it."""
+    station_kw = ahead.station_kw
+    return day_breaches(trace, station_kw), day_breaches(trace, 0 * station_kw)

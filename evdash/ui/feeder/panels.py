@@ -6,27 +6,29 @@ from evdash.charts.ac_gap import ac_gap_alt, ac_gap_figure, ac_gap_table
 from evdash.charts.headroom import headroom_alt, headroom_figure, headroom_table
 from evdash.charts.voltage_map import MapWay, map_figure
 from evdash.charts.voltages import voltages_alt, voltages_table
-from evdash.metrics.feeder import day_breaches, gaps, violations
+from evdash.metrics.feeder import gaps
+from evdash.metrics.verdict_words import sentences
 from evdash.ui.apart import apart
-from evdash.ui.feeder.findings import WAYS, ac_points, ac_voltages, layout_in
+from evdash.ui.feeder.findings import AC_PATIENCE_SECONDS, WAYS, ac_points, ac_voltages, layout_in
 from evdash.ui.feeder.words import (
     element_names,
     gap_line,
     headline,
-    verdict,
     violation_rows,
 )
+from evdash.ui.limits import help_out, verdicts
 from evdash.ui.parts import chart, table, table_below, view
 from evdash.ui.reasons import told_binding, told_worths
 from evdash.ui.session import Session
 from evdash.ui.telling import told_below
-from evdash.ui.words import unchecked_lines
+from evdash.ui.words import marked, wording
 
 
 def head(session: Session) -> None:
     """The day in a sentence."""
     with st.container(key="sentence"):
-        st.markdown(headline(view(session), session.run.trace.scenario))
+        trace, ac = session.run.trace, ac_voltages(ac_points(session))
+        st.markdown(headline(view(session), ac, trace.scenario))
 
 
 def voltage_map(session: Session) -> None:
@@ -116,27 +118,17 @@ MODELS_HELP = (
 def limits_exceeded(session: Session) -> None:
     """Violations, those of the station and those of the feeder told apart."""
     trace, ahead = session.run.trace, view(session)
-    points = ac_points(session)
-    linear = session.once("linear", lambda: violations(day_breaches(trace, ahead)))
-    ac = session.once(
-        "ac_violations",
-        lambda: violations(breach for t in sorted(points) for breach in points[t].breaches),
-        detail=len(points),
-    )
+    models = verdicts(session, AC_PATIENCE_SECONDS)
     st.markdown("#### Limits exceeded", help=EXCEEDED_HELP)
-    waiting = len(trace.steps) - len(points)
-    unchecked = unchecked_lines(points)
-    for line in unchecked:
-        st.markdown(line)
-    begun = bool(trace.steps)
-    for line in verdict(linear, ac, waiting=waiting, unchecked=bool(unchecked), begun=begun):
-        st.markdown(line)
-    for title, is_own in (("Because of charging", False), ("The feeder's own", True)):
+    for one in sentences(models, wording(trace, ahead)):
+        st.markdown(marked(one))
+    help_out(session, models)
+    for title, by_charging in (("Because of charging", True), ("The feeder's own", False)):
         rows = [
             row
-            for found, model in ((linear, "linearised"), (ac, "AC"))
+            for model in models
             for row in violation_rows(
-                (one for one in found if (one.cause == "feeder") == is_own), model, ahead
+                model.by_charging if by_charging else model.by_feeder, model.network, ahead
             )
         ]
         if rows:

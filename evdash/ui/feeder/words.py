@@ -1,17 +1,23 @@
 """What the Feeder page says in plain words. Markdown; user text is escaped."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from evdash.charts.feeder_moment import Moment
+from evdash.charts.feeder_moment import Moment, loading_told
+from evdash.charts.voltage_map import AcVoltages
 from evdash.domain.outlook import Outlook
-from evdash.domain.refusal import element_name
 from evdash.domain.scenario import Scenario
-from evdash.metrics.feeder import Gap, Violation
-from evdash.ui.words import clock, counted, element_words, plain
+from evdash.domain.trace import Network
+from evdash.domain.words import depth_words, element_name
+from evdash.metrics.feeder import Gap
+from evdash.metrics.verdict import LINEARISED, ModelVerdict, Violation, ac_verdict, verdict_of
+from evdash.metrics.verdict_words import Wording, sentences
+from evdash.ui.words import clock, element_words, marked, plain
 
+MODELS: Mapping[Network, str] = {"lindistflow": "linearised", "ac": "AC"}
 CAUSES = {
     "station": "charging",
     "both": "feeder and charging",
@@ -19,13 +25,13 @@ CAUSES = {
 }
 
 
-def headline(outlook: Outlook, scenario: Scenario) -> str:
-    """The lowest voltage of the day and the tightest limit, in a sentence or two."""
+def headline(outlook: Outlook, ac: AcVoltages, scenario: Scenario) -> str:
+    """The lowest voltage of the day by both models and the tightest limit, in a sentence or two."""
     t = int(outlook.voltage_pu.min(axis=1).argmin())
     i = int(outlook.voltage_pu[t].argmin())
     low = (
-        f"**Lowest voltage {outlook.voltage_pu[t, i]:.4f}\u00a0pu** at node "
-        f"{plain(outlook.nodes[i])}, {clock(outlook.times[t], outlook)} "
+        f"**Lowest voltage {outlook.voltage_pu[t, i]:.4f}\u00a0pu** linearised, at node "
+        f"{plain(outlook.nodes[i])}, {clock(outlook.times[t], outlook)}{_lowest_of(ac, outlook)} "
         f"(allowed {outlook.voltage_min_pu:g} to {outlook.voltage_max_pu:g})."
     )
     if not np.isfinite(outlook.headroom_kw).any():
@@ -38,8 +44,21 @@ def headline(outlook: Outlook, scenario: Scenario) -> str:
     )
 
 
-def moment_lines(moment: Moment) -> list[str]:
-    """One interval of the drawing in numbers."""
+def _lowest_of(ac: AcVoltages, outlook: Outlook) -> str:
+    """The lowest voltage that AC power flow found so far."""
+    solved = {t: voltage for t, voltage in ac.items() if np.isfinite(voltage).all()}
+    if not solved:
+        return ""
+    t = min(solved, key=lambda t: float(solved[t].min()))
+    i = int(solved[t].argmin())
+    return (
+        f"; by AC power flow **{solved[t][i]:.4f}\u00a0pu** at node {plain(outlook.nodes[i])}, "
+        f"{clock(outlook.times[t], outlook)}"
+    )
+
+
+def moment_lines(moment: Moment, wording: Wording) -> list[str]:
+    """One interval of the drawing in numbers, and what the models say of its limits."""
     outlook, t = moment.outlook, moment.interval
     low = int(outlook.voltage_pu[t].argmin())
     high = int(outlook.voltage_pu[t].argmax())
@@ -58,8 +77,17 @@ def moment_lines(moment: Moment) -> list[str]:
         )
     if loaded := _most_loaded(moment):
         lines.append(loaded)
-    lines.append(_checked(moment))
-    return lines
+    if lowest := _lowest_in_ac(moment):
+        lines.append(lowest)
+    return lines + [marked(one) for one in sentences(_verdicts(moment), wording)]
+
+
+def _verdicts(moment: Moment) -> tuple[ModelVerdict, ModelVerdict]:
+    """What either model says of this interval."""
+    t, ac = moment.interval, moment.ac
+    executed = int(t < moment.outlook.now)
+    found = {} if ac is None else {t: ac}
+    return verdict_of(LINEARISED, moment.linear, 1), ac_verdict(found, executed)
 
 
 def _station(moment: Moment) -> str:
@@ -75,34 +103,28 @@ def _station(moment: Moment) -> str:
 
 def _most_loaded(moment: Moment) -> str:
     flows, t = moment.flows, moment.interval
-    rated = np.flatnonzero(np.isfinite(flows.rating_kva) & (flows.rating_kva > 0))
+    rating_kva = flows.rating_kva[t]
+    rated = np.flatnonzero(np.isfinite(rating_kva) & (rating_kva > 0))
     if not len(rated):
         return ""
-    share = flows.line_kva[t, rated] / flows.rating_kva[rated]
-    worst = int(rated[int(share.argmax())])
-    line = moment.scenario.lines[worst]
+    shown = replace(moment, way="with")
+    row: int = max(rated.tolist(), key=lambda i: np.nanmax([shown.loading[i], shown.ac_loading[i]]))
+    line = moment.scenario.lines[row]
     return (
         f"**Most loaded** {plain(line.from_node)}–{plain(line.to_node)}: "
-        f"{flows.line_kva[t, worst]:,.0f} of {flows.rating_kva[worst]:,.0f}\u00a0kVA "
-        f"({100 * share.max():.0f}\u00a0%)."
+        f"{flows.line_kva[t, row]:,.0f} of {rating_kva[row]:,.0f}\u00a0kVA "
+        f"({loading_told(shown, row)})."
     )
 
 
-def _checked(moment: Moment) -> str:
-    """What the AC power flow says of this interval."""
-    outlook, t = moment.outlook, moment.interval
-    if t >= outlook.now:
-        return "**AC power flow** checks this interval once it is over."
-    if moment.ac_pu is None:
-        return ":material/hourglass_top: **AC power flow** is being worked out …"
-    if not np.isfinite(moment.ac_pu).all():
-        return ":red[:material/warning: **AC power flow** has no solution here.]"
-    low = int(moment.ac_pu.argmin())
-    said = f"**By AC power flow** the lowest is {moment.ac_pu[low]:.4f}\u00a0pu at node "
-    said += f"{plain(outlook.nodes[low])}"
-    if moment.ac_pu[low] < outlook.voltage_min_pu - 1e-6:
-        return f":red[:material/warning: {said}, below the lowest allowed.]"
-    return f"{said}."
+def _lowest_in_ac(moment: Moment) -> str:
+    if moment.ac is None or not moment.ac.solved:
+        return ""
+    low = int(moment.ac.voltage_pu.argmin())
+    return (
+        f"**By AC power flow** the lowest is {moment.ac.voltage_pu[low]:.4f}\u00a0pu at node "
+        f"{plain(moment.outlook.nodes[low])}."
+    )
 
 
 def tightest_rows(found: Iterable[tuple[str, float]]) -> list[dict[str, object]]:
@@ -131,17 +153,19 @@ def element_names(outlook: Outlook) -> dict[str, str]:
 
 
 def violation_rows(
-    found: Iterable[Violation], model: str, outlook: Outlook
+    found: Iterable[Violation], network: Network, outlook: Outlook
 ) -> list[dict[str, object]]:
     """Violations as rows of a table: what, whose doing, how deep, how long, when."""
     hours = (outlook.times[1] - outlook.start).total_seconds() / 3600
     return [
         {
-            "Limit": element_name(one.element),
-            "Model": model,
+            "Limit": element_name(one.limit, is_export=one.is_export),
+            "Model": MODELS[network],
             "Cause": CAUSES[one.cause],
-            "Beyond by": _depth(one.depth, one.unit),
-            "Without charging": _depth(one.base_depth, one.unit) if one.base_depth > 0 else "held",
+            "Beyond by": depth_words(one.depth, one.unit),
+            "Without charging": (
+                depth_words(one.base_depth, one.unit) if one.base_depth > 0 else "held"
+            ),
             "For": f"{hours * len(one.intervals):g} h",
             "Worst at": clock(outlook.times[one.worst], outlook),
             "When": _when(one, outlook),
@@ -154,41 +178,3 @@ def _when(one: Violation, outlook: Outlook) -> str:
     if one.intervals[-1] < outlook.now:
         return "executed"
     return "planned" if one.intervals[0] >= outlook.now else "executed, planned"
-
-
-def _depth(depth: float, unit: str) -> str:
-    return f"{depth:.4f} pu" if unit == "pu" else f"{depth:,.1f} {unit}"
-
-
-def verdict(
-    linear: Iterable[Violation],
-    ac: Iterable[Violation],
-    *,
-    waiting: int,
-    unchecked: bool,
-    begun: bool,
-) -> list[str]:
-    """What the tables of violations come to, in a line for each model and cause.
-
-    Nothing is called kept while intervals are `waiting` for AC or could not be checked by it.
-    """
-    lines = []
-    for found, model in ((tuple(linear), "linearised model"), (tuple(ac), "AC power flow")):
-        mine = len({one.element for one in found if one.cause != "feeder"})
-        own = len({one.element for one in found if one.cause == "feeder"})
-        if mine:
-            lines.append(
-                f":red[:material/warning: **{counted(mine, 'limit')} exceeded because of "
-                f"charging**, by the {model}.]"
-            )
-        if own:
-            lines.append(
-                f":orange[:material/info: {counted(own, 'limit')} exceeded by the feeder itself, "
-                f"by the {model}; charging does not worsen that.]"
-            )
-    if waiting:
-        lines.append(f":material/hourglass_top: {counted(waiting, 'interval')} being checked …")
-    elif not lines and not unchecked:
-        models = "in both models" if begun else "in the linearised model; AC power flow follows"
-        lines.append(f":green[:material/check_circle: Every limit holds, {models}.]")
-    return lines

@@ -2,12 +2,14 @@
 
 import streamlit as st
 
+from evdash.metrics.ledger import broken_promises, ledger
 from evdash.metrics.totals import totals
 from evdash.ui.parts import table, view
-from evdash.ui.referee import referee
 from evdash.ui.session import Session
-from evdash.ui.story import ac_told, story
+from evdash.ui.story import story
 from evdash.ui.words import clock, counted, money, plain
+
+BROKEN = "Broken"
 
 
 def headline(session: Session) -> None:
@@ -16,13 +18,6 @@ def headline(session: Session) -> None:
     sums = session.once("totals", lambda: totals(trace))
     with st.container(key="sentence"):
         st.markdown(session.once("story", lambda: story(trace, ahead, sums)))
-
-
-def overload(session: Session) -> None:
-    """What AC power flow found wrong; once the voltages are drawn, which wait for it a little."""
-    trace = session.run.trace
-    if told := ac_told(referee.findings(trace), trace.inputs.network):
-        st.markdown(told)
 
 
 def answer(session: Session) -> None:
@@ -59,8 +54,17 @@ def key_figures(session: Session) -> None:
     chargers = (last.inputs.scenario if last else trace.scenario).station.chargers
     headroom = ahead.headroom_kw[max(0, trace.now - 1)]
     span = f"in the interval before {clock(ahead.clock, ahead)}" if last else "before the day"
+    broken = session.once("broken", lambda: broken_promises(ledger(trace)))
+    missing_kwh = sum(entry.short_kwh for entry in broken)
     figures = (
-        ("Admitted", f"{sums.admitted:,}", f"of {sums.arrived:,} who asked", "Contracts made."),
+        ("Admitted", f"{sums.admitted:,}", f"of {sums.arrived:,} asked", "Contracts made."),
+        (
+            BROKEN,
+            f"{len(broken):,}",
+            f"{missing_kwh:,.1f} kWh" if broken else f"of {sums.admitted:,} promises",
+            "Promises not kept, or sure not to be as things stand, from the moment that is known; "
+            "and the energy missing.",
+        ),
         (
             "Parked",
             f"{parked(session):,}",
@@ -76,7 +80,7 @@ def key_figures(session: Session) -> None:
         (
             "Station load",
             f"{power:,.0f} kW",
-            f"room for {headroom:,.0f} kW" if headroom < float("inf") else "no limit",
+            f"of {headroom:,.0f} kW" if headroom < float("inf") else "no limit",
             f"Mean power {span}, and the most the feeder would have allowed (headroom).",
         ),
         (
@@ -88,12 +92,12 @@ def key_figures(session: Session) -> None:
         (
             "Revenue",
             money(sums.revenue),
-            "contracts so far",
+            "so far",
             "What all admitted drivers pay for contracts made so far: for the whole contract, or, "
-            "where it was broken or cut short, for what was delivered.",
+            "where it is broken or cut short, for what is delivered.",
         ),
-        ("Energy cost", money(sums.energy_cost), "energy so far", "Paid for energy drawn so far."),
-        ("Profit", money(sums.profit), "revenue less cost", "Revenue less energy cost so far."),
+        ("Energy cost", money(sums.energy_cost), "so far", "Paid for energy drawn so far."),
+        ("Profit", money(sums.profit), "so far", "Revenue less energy cost so far."),
     )
     with st.container(key="figures", horizontal=True, gap="xsmall"):
         for label, value, small, told in figures:
@@ -101,7 +105,7 @@ def key_figures(session: Session) -> None:
                 label,
                 value.replace("\\", ""),
                 small,
-                delta_color="off",
+                delta_color="inverse" if label == BROKEN and broken else "off",
                 delta_arrow="off",
                 help=told,
             )

@@ -28,7 +28,7 @@ def schedule(session: Session) -> None:
 SCHEDULE_HELP = (
     "One row a vehicle under contract. Outlined: from arrival to the promised return. Solid: "
     "charged; hatched: planned; the thicker, the higher the power. At the end: its price option "
-    "and how much of what was promised it has."
+    "and how much of what was promised it has. Red, with !: not all of it came, or can come."
 )
 
 

@@ -10,13 +10,14 @@ from evdash.charts.voltages import (
     voltages_table,
 )
 from evdash.domain.outlook import Outlook
-from evdash.domain.refusal import element_name
-from evdash.metrics.ac import AcPoint
+from evdash.domain.words import element_name
+from evdash.metrics.verdict_words import sentences
 from evdash.ui.glossary import meaning
+from evdash.ui.limits import verdicts
 from evdash.ui.parts import chart, small_table, table_below, view
 from evdash.ui.referee import referee
 from evdash.ui.session import Session
-from evdash.ui.words import ac_lines, clock, counted, unchecked_lines
+from evdash.ui.words import clock, marked, wording
 
 AC_PATIENCE_SECONDS = 0.06
 """How long a page waits for the AC power flow of its latest step before it goes on without."""
@@ -53,7 +54,7 @@ def voltages(session: Session) -> None:
         chart(session, "voltages", draw, voltages_alt(ahead), detail=(way, len(ac)))
         table_below("voltages", lambda: voltages_table(ahead, ac))
     with right, st.container(key="ac"):
-        _ac_words(session, found)
+        _verdict(session)
         _limits(session)
 
 
@@ -64,26 +65,10 @@ VOLTAGE_HELP = (
 )
 
 
-def _ac_words(session: Session, found: dict[int, AcPoint]) -> None:
-    trace, ahead = session.run.trace, view(session)
-    st.markdown("#### Checked by AC power flow", help=VOLTAGE_HELP)
-    waiting = len(trace.steps) - len(found)
-    if not trace.steps:
-        st.markdown("Executed intervals are checked here by the full AC power flow.")
-        return
-    if waiting:
-        st.markdown(f":material/hourglass_top: {counted(waiting, 'interval')} being checked …")
-    for line in unchecked_lines(found):
-        st.markdown(line)
-    unchecked = sum(not finding.checked for finding in found.values())
-    unsolved = sum(finding.checked and not finding.solved for finding in found.values())
-    if unsolved:
-        st.markdown(f":red[No AC solution in {counted(unsolved, 'interval')}.]")
-    breaches = [breach for t in sorted(found) for breach in found[t].breaches if found[t].solved]
-    for line in ac_lines(breaches, trace.scenario, ahead):
-        st.markdown(f":red[:material/warning: {line}]")
-    if not waiting and not breaches and not unsolved and not unchecked:
-        st.markdown(":green[:material/check_circle: Every limit holds in AC, too.]")
+def _verdict(session: Session) -> None:
+    st.markdown("#### Limits, and the AC check", help=VOLTAGE_HELP)
+    for one in sentences(verdicts(session), wording(session.run.trace, view(session))):
+        st.markdown(marked(one))
 
 
 def _limits(session: Session) -> None:

@@ -22,7 +22,7 @@ from evdash.domain.study import Band, Study
 from evdash.studies.measures import MEASURES
 from evdash.studies.tables import QUANTILES, Found, bands, reference_bands
 from evdash.ui.parts import show, table_below
-from evdash.ui.studies.words import answer, is_less_better
+from evdash.ui.studies.words import answer, everywhere, is_less_better
 from evdash.ui.words import plain
 
 SITE = "station.node"
@@ -67,7 +67,7 @@ def pictures(found: Found, number: str) -> None:
     metric = metric if metric in metrics else metrics[0]
     st.caption(MEASURES[metric].meaning)
     rows = reference_bands(found) if paired else bands(found)
-    if not paired and (said := answer(found, rows, metric)):
+    if said := ("" if paired else answer(found, rows, metric)) or everywhere(found):
         st.markdown(said)
     mine = _chosen([band for band in rows if band.metric == metric], varied)
     _draw(found, metric, mine, varied, paired)

@@ -1,6 +1,7 @@
 """What the Studies page says in words."""
 
 from evdash.domain.study import Band
+from evdash.studies.beyond import beyond_told
 from evdash.studies.measures import MEASURES
 from evdash.studies.tables import Found
 from evdash.ui.words import plain
@@ -33,7 +34,7 @@ def answer(found: Found, rows: list[Band], metric: str) -> str:
     best = min(mine, key=lambda band: sign * band.p50)
     measure = MEASURES[metric]
     if max(band.p50 for band in mine) - min(band.p50 for band in mine) < 10.0**-measure.digits / 2:
-        return f"{measure.title} is the same everywhere: {told(best)}."
+        return f"{measure.title} is the same everywhere: {told(best)}.{everywhere(found)}"
     names = (*found.runs.axes, "policy", "network")
     varied = [i for i in range(len(names)) if len({band.group[i] for band in mine}) > 1]
     where = ", ".join(
@@ -42,7 +43,15 @@ def answer(found: Found, rows: list[Band], metric: str) -> str:
         for i in varied
     )
     word = "lowest" if is_less_better(metric) else "highest"
-    return f"{measure.title} is {word} at {where}: **{told(best)}**{spread(best)}."
+    said = f"{measure.title} is {word} at {where}: **{told(best)}**{spread(best)}."
+    beyond = beyond_told(found, best.group)
+    return f"{said} :red[:material/warning: There, {beyond}.]" if beyond else said
+
+
+def everywhere(found: Found) -> str:
+    """On how many days of all charging is beyond limits, or promises are broken."""
+    beyond = beyond_told(found)
+    return f" :red[:material/warning: Over all, {beyond}.]" if beyond else ""
 
 
 def edge(best: object, tried: set[object]) -> str:

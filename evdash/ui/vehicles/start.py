@@ -3,9 +3,11 @@
 import streamlit as st
 
 from evdash.errors import legible
+from evdash.metrics.ledger import broken_promises, ledger
 from evdash.metrics.totals import totals
 from evdash.ui.parts import view
 from evdash.ui.session import Session
+from evdash.ui.story import broken_told
 from evdash.ui.toolbar import step_button
 from evdash.ui.words import clock, counted, plain
 
@@ -19,7 +21,8 @@ def headline(session: Session) -> None:
     charging = int(trace.steps[-1].plan.charging[0])
     now = "" if trace.is_over else f", {charging} charging"
     when = "in all" if trace.is_over else f"until {clock(ahead.clock, ahead)}"
-    broken = f", :red[{counted(sums.broken, 'contract')} broken]" if sums.broken else ""
+    short = broken_told(broken_promises(ledger(trace)), trace.now)
+    broken = f", :red[{short}]" if short else ""
     with st.container(key="sentence"):
         st.markdown(
             f"**{counted(sums.arrived, 'vehicle')} asked {when}:** "

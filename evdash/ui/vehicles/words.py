@@ -1,29 +1,31 @@
 """One vehicle's contract in plain words. Text for Streamlit's Markdown; user text is escaped."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from evdash.domain.outlook import Outlook
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.explain.revisions import Move, moves_between
-from evdash.metrics.records import VehicleRecord
+from evdash.metrics.records import Fate, VehicleRecord
 from evdash.metrics.vehicles import VehicleDay
 from evdash.ui.words import clock, counted, money, plain
 
 TOLD_KWH = 0.05
 """Less than this is not told as a change of plan."""
-FATES = {
+FATES: Mapping[Fate, str] = {
     "charged": ":green-badge[:material/check: charged in full]",
     "charging": ":blue-badge[:material/bolt: under contract]",
     "refused": ":red-badge[:material/block: refused]",
+    "short": ":red-badge[:material/warning: promise cannot be kept]",
     "broken": ":red-badge[:material/warning: contract broken]",
     "released": ":gray-badge[:material/logout: cut short by its driver]",
 }
-STATUS_CELLS = {
+STATUS_CELLS: Mapping[Fate, str] = {
     "charged": "✓ charged",
     "charging": "… under contract",
     "refused": "✗ refused",
+    "short": "! short",
     "broken": "! broken",
     "released": "~ cut short by its driver",
 }
@@ -31,7 +33,7 @@ STATUS_CELLS = {
 
 def title(record: VehicleRecord) -> str:
     """Its name and what has become of it so far."""
-    return f"#### {plain(record.vehicle)} &nbsp; {FATES[record.status]}"
+    return f"#### {plain(record.vehicle)} &nbsp; {FATES[record.fate]}"
 
 
 def contract_lines(day: VehicleDay, scenario: Scenario, outlook: Outlook) -> list[str]:
@@ -86,9 +88,14 @@ def _promise(day: VehicleDay, by: str, outlook: Outlook) -> str:
     request = day.request
     admitted = clock(outlook.times[request.arrival_interval], outlook)
     pays = day.record.revenue
+    for_what = {
+        "broken": ", for what it got",
+        "released": ", for what it got",
+        "short": ", for what it can get as things stand",
+    }
     return (
         f"**Promised** at {admitted}: all of it **by {by}**. It pays **{money(pays)}**"
-        f"{', for what it got' if day.record.status in ('broken', 'released') else ''}."
+        f"{for_what.get(day.record.fate, '')}."
     )
 
 
