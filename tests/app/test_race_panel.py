@@ -48,7 +48,7 @@ def test_a_race_runs_beside_the_page_and_is_told() -> None:
     told = texts(at).replace("\\", "")
     assert "Least laxity first" in told
     assert "Profit, $" in told
-    assert "In full AC power flow, uncoordinated charging" in told
+    assert "By AC power flow, charging exceeds limits under every policy: p1 (" in told
     session(at).edit("fewer chargers", {"station.chargers": 6})
     at.run()
     assert "other inputs by now" in texts(at)
