@@ -59,7 +59,7 @@ def _over_rating(
         return []
     found: list[Breach] = []
     for is_export, side, base in zip((False, True), *map(by_side, powers), strict=True):
-        over = [side.kva - rating_kva, side.held_kva(base.kva) - rating_kva]
+        over = [side.kva - rating_kva, side.held_kva(base.end_kva) - rating_kva]
         name = element + EXPORT if is_export else element
         found += _beyond(name, over, "kVA", TOLERANCE_KVA, is_export)
     return found

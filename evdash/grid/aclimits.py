@@ -73,7 +73,7 @@ class AcFeeder:
         now, base = self._solve(intervals, station_kw), self.base
         rated = [side.kva - self.rating_kva for side in now.sides]
         own = [
-            side.held_kva(of_base.kva[intervals]) - self.rating_kva
+            side.held_kva(of_base.end_kva[intervals]) - self.rating_kva
             for side, of_base in zip(now.sides, base.sides, strict=True)
         ]
         solved = now.solved[:, None]
@@ -149,7 +149,7 @@ class AcFeeder:
 @dataclass(frozen=True, slots=True)
 class _Solved:
     """Flows held against limits: solved (flows,); voltage_excess_pu (flows, 2·nodes), lower limits
-    first; both sides of what is rated, (flows, ratings)."""
+    first; both sides of what is rated, (flows, ratings, ends)."""
 
     solved: NDArray[np.bool_]
     voltage_excess_pu: Floats

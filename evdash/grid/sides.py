@@ -18,21 +18,28 @@ Power = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """What flows on one side of some ratings: kVA, and how much of it is reactive alone, kvar.
+    """What flows on one side of some ratings, at each of their ends, (…, ends).
 
-    Of both ends the larger. -inf where no active power flows that way, NaN where nothing is known.
+    `end_kva`, and how much of it is reactive alone, `end_kvar`; both -inf where no active power
+    flows that way, NaN where nothing is known.
     """
 
-    kva: Floats
-    reactive_kvar: Floats
+    end_kva: Floats
+    end_kvar: Floats
 
-    def held_kva(self, base_kva: Floats) -> Floats:
-        """What of `kva` is not the station's doing: what this side has without it, `base_kva`.
+    @property
+    def kva(self) -> Floats:
+        """The larger of both ends."""
+        return np.asarray(self.end_kva.max(axis=-1))
 
-        A side that is empty without the station has its reactive power alone: that fills it
+    def held_kva(self, base_end_kva: Floats) -> Floats:
+        """What of `kva` is not the station's doing: what this side has without it.
+
+        An end empty on this side without the station has its reactive power alone: that fills it
         already when active power turns, and a rating below it was exceeded on the other side.
         """
-        return np.where(np.isneginf(base_kva), self.reactive_kvar, base_kva)
+        held_kva = np.where(np.isneginf(base_end_kva), self.end_kvar, base_end_kva)
+        return np.asarray(held_kva.max(axis=-1))
 
 
 def by_side(power: Power) -> tuple[Side, Side]:
@@ -43,10 +50,7 @@ def by_side(power: Power) -> tuple[Side, Side]:
 
 def _side(power: Power, there: NDArray[np.bool_]) -> Side:
     elsewhere = np.where(there, 0.0, -np.inf)
-    return Side(
-        kva=(np.abs(power) + elsewhere).max(axis=-1),
-        reactive_kvar=(np.abs(power.imag) + elsewhere).max(axis=-1),
-    )
+    return Side(np.abs(power) + elsewhere, np.abs(power.imag) + elsewhere)
 
 
 def away_from_source(feeder: RadialFeeder, into_from: Power, into_to: Power) -> Power:

@@ -49,10 +49,13 @@ class Side:
         return max((abs(s) - self.rating_kva for s in self.there()), default=0.0)
 
     def own_over(self, base: "Side") -> float:
-        """Over by what flows there without the station; where nothing does, by reactive power."""
-        if base.there():
-            return max(0.0, base.over())
-        return max(0.0, *(abs(s.imag) - self.rating_kva for s in self.there()))
+        """Over by what flows there without the station; at an end where nothing does, by what is
+        reactive alone."""
+        own = [
+            abs(before) if before.real >= 0 else abs(now.imag) if now.real >= 0 else 0.0
+            for now, before in zip(self.powers, base.powers, strict=True)
+        ]
+        return max(0.0, max(own) - self.rating_kva)
 
 
 class Referee:

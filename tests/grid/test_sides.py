@@ -112,6 +112,25 @@ def test_reactive_power_alone_beyond_a_rating_is_reported() -> None:
         assert {b.unit for b in found} == {"kVA"}
 
 
+@pytest.mark.parametrize("rounded_kw", [(-1e-8, 1e-8), (1e-8, -1e-8), (0.0, -1e-8), (-1e-8, 0.0)])
+def test_a_line_of_reactive_power_alone_is_not_blamed_on_rounding(rounded_kw) -> None:
+    """At a capacitor's end of a line active power is nothing, of whichever sign a solver leaves."""
+    scenario = make_scenario(
+        nodes=[node("s"), node("a", load_kw=10), node("c", load_kw=0, load_kvar=-60)],
+        lines=[line("s", "a", r=0.1, x=0.1), line("a", "c", r=0.1, x=0.1, rating=24)],
+        price=[0.1],
+        feeder=WIDE,
+    )
+    base, loaded = (ac_flow(scenario, np.array([kw])) for kw in (0.0, 50.0))
+    for flow, kw in zip((base, loaded), rounded_kw, strict=True):
+        near, far = np.abs(flow.line_power[0, 1])
+        assert far > near + 0.01
+        flow.line_power[0, 1, 1] = kw - 60j
+    found = ac_breaches(scenario, loaded, base)
+    assert found
+    assert not any(breach.by_station for breach in found)
+
+
 @given(generating(), st.floats(1.0, 900.0))
 @settings(max_examples=40)
 def test_ac_breaches_and_the_certificate_name_pandapowers_sides(
