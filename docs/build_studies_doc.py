@@ -110,9 +110,10 @@ even then, unless it has an address of its own. On a single machine give `127.0.
 ## In the app
 
 The page **Studies** asks the usual questions of the present run's scenario, or varies what you
-choose. A study runs in a process of its own: it outlives a page change, a reload, and a restart of
-the server; the address of the page leads back to it. It makes way for those who step days on the
-same server: it runs at low priority on all cores but one, and studies of several people take turns.
+choose; of several values each comma is followed by a blank, as `0,3` may be one. A study runs in
+a process of its own: it outlives a page change, a reload, and a restart of the server; the
+address of the page leads back to it. It makes way for those who step days on the same server: it
+runs at low priority on all cores but one, and studies of several people take turns.
 
 ## How AC is checked
 

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from evdash.errors import Fault, InputError
 from evdash.files.nested import read_json
 from evdash.files.wording import allowed, found, shown
-from evdash.grid.nets.records import LARGEST, RECORDS, Element, Net, Other
+from evdash.grid.nets.records import LARGEST, RECORDS, SMALLEST, Element, Net, Other
 
 MAX_BYTES = 32 * 1024 * 1024
 MAX_LISTS, MAX_VALUES = 1_000_000, 5_000_000
@@ -95,8 +95,12 @@ class _Reader:
 
     def _number(self, key: str, default: float) -> float:
         value = self.content.get(key, default)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 1e6:
-            self._fault(key, shown(value), "should be a number above 0")
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not (SMALLEST <= value < 1e6)
+        ):
+            self._fault(key, shown(value), f"should be a number from {SMALLEST} to 1,000,000")
             return default
         return float(value)
 

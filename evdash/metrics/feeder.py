@@ -57,11 +57,15 @@ def flows(trace: Trace, outlook: Outlook) -> Flows:
 
 
 def tightest(trace: Trace, interval: int, most: int) -> tuple[tuple[str, float], ...]:
-    """The elements that leave least room for the station in an interval, and how much, kW."""
+    """The elements that leave least room for the station in an interval, and how much, kW.
+
+    In AC one alone is known; of the others a row says nothing in that interval.
+    """
     inputs = trace.inputs_at(interval)
     room_kw = inputs.rows.capacity_kw()[interval]
     order = np.argsort(inputs.rows.limit_kw[interval] / inputs.rows.coefficient[:, STATION])
-    return tuple((inputs.rows.elements[row], float(room_kw[row])) for row in order[:most])
+    known = [row for row in order[:most] if np.isfinite(room_kw[row])]
+    return tuple((inputs.rows.elements[row], float(room_kw[row])) for row in known)
 
 
 def day_breaches(trace: Trace, station_kw: Floats) -> tuple[Breach, ...]:

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from evdash.ui import run as runs
 from evdash.ui.reasons import told_binding, told_worths
 from tests.app.test_live_page import PRESETS, clicked, figures, opened, opened_texts, session
 
@@ -59,6 +60,22 @@ def test_every_preset_from_start_to_end(preset: str) -> None:
         at.segmented_control(key="feeder_way").set_value(way).run()
         at.segmented_control(key="map_way").set_value(way).run()
         assert not at.exception
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_every_hour_of_every_preset_in_ac(preset: str) -> None:
+    """In AC one element an hour has room that is known, and in some hours another than in most."""
+    at = feeder_page(preset)
+    session(at).take(runs.rewired(session(at).run, "ac"))
+    at.run()
+    for _ in range(2):
+        at = clicked(at, "step")
+    ahead = session(at).run.trace
+    binding = ahead.inputs.rows.binding()
+    for element in dict.fromkeys(binding):
+        move(at, binding.index(element))
+        assert "Tightest limits" in texts(at)
+    move(at, ahead.scenario.intervals - 1)
 
 
 def test_moving_the_hour_redraws_the_drawing_alone() -> None:

@@ -225,7 +225,7 @@ def put(table: str, column: str, row: int, value: object) -> bytes:
     ("content", "words"),
     [
         (put("bus", "vn_kv", 1, "high"), "table bus, row 1, column vn_kv: found 'high'"),
-        (put("bus", "vn_kv", 1, -20.0), "should be above 0"),
+        (put("bus", "vn_kv", 1, -20.0), "should be at least 0.01"),
         (put("line", "length_km", 2, {"_module": "os", "_class": "system"}), "column length_km"),
         (put("line", "to_bus", 2, 77), "table line, row 2, column to_bus: found 77"),
         (put("ext_grid", "in_service", 0, False), "should have an external grid in service"),

@@ -6,6 +6,8 @@ from hypothesis import given
 
 from evdash.checker.feeder import FeederCheck
 from evdash.domain.breach import Breach
+from evdash.files.bundled import PRESETS
+from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day, step
 from evdash.metrics.feeder import (
     day_breaches,
@@ -97,6 +99,14 @@ def test_the_tightest_limits_come_first_and_set_the_headroom() -> None:
         assert [kw for _, kw in limits] == sorted(kw for _, kw in limits)
     free = start_day(make_scenario(lines=[line("s", "a", r=0.0)]))
     assert tightest(free, 0, 5) == ()
+
+
+def test_in_ac_the_one_limit_that_is_known_is_told_and_no_endless_room() -> None:
+    trace = start_day(read_scenario(PRESETS / "voltage-limited"), "ac")
+    rows = trace.inputs.rows
+    assert len(rows.elements) > 1
+    for t in range(trace.scenario.intervals):
+        assert tightest(trace, t, 5) == ((rows.binding()[t], rows.headroom_kw()[t]),)
 
 
 def test_the_gap_to_ac_is_at_the_node_where_they_differ_most() -> None:
