@@ -84,7 +84,7 @@ def asking(name: str) -> None:
     from evdash.ui.studies.ask import _values
     from evdash.ui.studies.pictures import Dimension, _chosen
 
-    _values("own", 0, Axis(name=name, key="station.chargers", values=(1, 2)))
+    _values("own", 0, Axis(name=name, key="station.chargers", values=(1, 2)), [])
     varied = [Dimension(place, name, (name, "b")) for place in range(3)]
     _chosen([Band((name,) * 3, "profit", 1, *[1.0] * 5)], varied)
 

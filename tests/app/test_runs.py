@@ -6,6 +6,7 @@ import pytest
 
 from evdash.domain.events import Event
 from evdash.domain.plan import Plan, Snapshot
+from evdash.errors import Fault
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day
@@ -161,10 +162,11 @@ def test_help_and_bounds_are_the_declarations(folder) -> None:
     assert len(controls) == 7
     for control in controls.values():
         assert control.help.strip(". ")
-        assert control.low is not None
-        assert control.value >= control.low
+        assert control.read(f"{control.value}") == control.value
+        assert isinstance(control.read("-1"), Fault)
     assert "How many vehicles can charge" in controls["station.chargers"].help
-    assert controls["station.chargers"].high == 100_000
+    assert controls["station.chargers"].read("100000") == 100_000
+    assert isinstance(controls["station.chargers"].read("100001"), Fault)
 
 
 def test_a_snapshot_seen_before_is_not_solved_again(run: Run) -> None:
