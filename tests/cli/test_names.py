@@ -101,9 +101,9 @@ def commands(place: Path) -> Iterator[tuple[str, list[str], str]]:
     b = named("b")
     yield "run", ["run", scenario, "--out", run], "day"
     yield "explain", ["run", scenario, "--explain"], "V9"
-    yield "ac", ["run", scenario, "--network", "ac"], "line:a"
+    yield "ac", ["run", scenario, "--network", "ac"], "transformer a"
     yield "events", ["run", f"{place / 'events'}"], "V0"
-    yield "damage", ["run", scenario, "--policy", "uncoordinated"], "line:s"
+    yield "damage", ["run", scenario, "--policy", "uncoordinated"], "transformer s"
     yield "validate", ["validate", scenario], "day"
     yield "audit", ["audit", run], "day"
     yield "race", ["race", scenario, "--policies", "p1", "fcfs", "--out", f"{run}-race"], "day"
