@@ -45,9 +45,9 @@ def headline(session: Session) -> None:
     models = verdicts(session)
     every = sentences(models, wording(trace, view(session)))
     told = [one for one in every if one.state in ("bad", "note")]
-    with st.container(horizontal=True, vertical_alignment="center", gap="small"):
+    with st.container(gap="xxsmall"):
         for one in told:
-            st.markdown(marked(one), width="content")
+            st.markdown(marked(one))
         help_out(session, models)
 
 
