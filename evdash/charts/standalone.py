@@ -1,7 +1,8 @@
-"""Figures for a page that stands alone: Plotly's own script, and a look for light and for dark."""
+"""Figures that stand alone: Plotly's own script, a look for light and for dark, notebooks."""
 
 from typing import Any
 
+from plotly.graph_objects import Figure as PlotlyFigure
 from plotly.offline import get_plotlyjs
 
 from evdash.charts.style import CLEAR, Figure, now_label, now_shapes
@@ -23,6 +24,12 @@ def plotly_script() -> str:
 def templates() -> dict[str, dict[str, Any]]:
     """What figures leave to their page, by colour scheme: ink, grid and font."""
     return {scheme: _template(INK[scheme], GRID[scheme]) for scheme in INK}
+
+
+def as_plotly(figure: Figure) -> PlotlyFigure:
+    """A figure as Plotly's own kind, to be shown in a notebook, changed, or written to a file."""
+    on_white = {"paper_bgcolor": "white", "plot_bgcolor": "white"}
+    return PlotlyFigure(figure).update_layout(template=templates()["light"], **on_white)
 
 
 def _template(ink: str, grid: str) -> dict[str, Any]:

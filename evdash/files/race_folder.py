@@ -1,5 +1,6 @@
 """A race as files: figures by policy, every interval, and the whole of it as JSON."""
 
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
@@ -15,24 +16,27 @@ RACE, POLICIES, INTERVALS = "race.json", "policies.csv", "intervals.csv"
 REFUSALS = "refusals.csv"
 RACE_FILES = (RACE, POLICIES, INTERVALS, REFUSALS)
 FORM = TypeAdapter(Race)
+Table = tuple[list[str], Iterator[list[object]]]
+"""The head and the rows of a table."""
+Tabled = Callable[[Race], Table]
 
 
 def race_files(race: Race) -> dict[str, str]:
     """Every file of a race, name to text."""
     return {
         RACE: FORM.dump_json(race, indent=1).decode() + "\n",
-        POLICIES: policies_text(race),
-        INTERVALS: intervals_text(race),
-        REFUSALS: refusals_text(race),
+        POLICIES: write_table(*policies_table(race)),
+        INTERVALS: write_table(*intervals_table(race)),
+        REFUSALS: write_table(*refusals_table(race)),
     }
 
 
-def policies_text(race: Race) -> str:
+def policies_table(race: Race) -> Table:
     """A row for each policy, a column for each figure; shares from 0 to 1, units in the head."""
     options = sorted({option for lap in race.laps for option in lap.service.acceptance_by_option})
     figures = figures_of(Service)
     head = ["policy", *(f.name for f in figures), *(f"acceptance_{option}" for option in options)]
-    return write_table(head, (_row(lap, options) for lap in race.laps))
+    return head, (_row(lap, options) for lap in race.laps)
 
 
 def _row(lap: Lap, options: list[str]) -> list[object]:
@@ -41,48 +45,42 @@ def _row(lap: Lap, options: list[str]) -> list[object]:
     return [lap.policy, *figures, *by_option]
 
 
-def intervals_text(race: Race) -> str:
+def intervals_table(race: Race) -> Table:
     """A row for each interval and policy."""
     head = ["interval", "start", "policy", "station_kw", "headroom_kw"]
     head += ["admitted", "refused", "lowest_ac_pu", "capacity_price_per_kwh"]
-    return write_table(
-        head,
-        (
-            [
-                t,
-                f"{race.times[t]:%Y-%m-%dT%H:%M}",
-                lap.policy,
-                lap.station_kw[t],
-                race.headroom_kw[t],
-                lap.admitted[t],
-                lap.refused[t],
-                lap.lowest_ac_pu[t],
-                lap.capacity_price_per_kwh[t],
-            ]
-            for t in range(len(race.headroom_kw))
-            for lap in race.laps
-        ),
+    return head, (
+        [
+            t,
+            f"{race.times[t]:%Y-%m-%dT%H:%M}",
+            lap.policy,
+            lap.station_kw[t],
+            race.headroom_kw[t],
+            lap.admitted[t],
+            lap.refused[t],
+            lap.lowest_ac_pu[t],
+            lap.capacity_price_per_kwh[t],
+        ]
+        for t in range(len(race.headroom_kw))
+        for lap in race.laps
     )
 
 
-def refusals_text(race: Race) -> str:
+def refusals_table(race: Race) -> Table:
     """A row for everyone a policy refused, with the reason it gave."""
     head = ["policy", "interval", "start", "vehicle", "option", "need_kwh", "reason"]
-    return write_table(
-        head,
-        (
-            [
-                lap.policy,
-                one.interval,
-                f"{race.times[one.interval]:%Y-%m-%dT%H:%M}",
-                one.vehicle,
-                one.option,
-                one.need_kwh,
-                str(one.reason),
-            ]
-            for lap in race.laps
-            for one in lap.turned_down
-        ),
+    return head, (
+        [
+            lap.policy,
+            one.interval,
+            f"{race.times[one.interval]:%Y-%m-%dT%H:%M}",
+            one.vehicle,
+            one.option,
+            one.need_kwh,
+            str(one.reason),
+        ]
+        for lap in race.laps
+        for one in lap.turned_down
     )
 
 

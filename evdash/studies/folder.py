@@ -16,7 +16,14 @@ from evdash.files.scenario_folder import FILE_NAMES, scenario_files
 from evdash.studies.code import code_version
 from evdash.studies.reading import read_study
 from evdash.studies.results import Results
-from evdash.studies.tables import Found, bands, bands_table, reference_bands, runs_table
+from evdash.studies.tables import (
+    Found,
+    bands,
+    bands_table,
+    csv_text,
+    reference_bands,
+    runs_table,
+)
 
 STUDY, SCENARIO, RESULTS = "study.toml", "scenario", "results.sqlite3"
 RUNS, SUMMARY, DIFFERENCES = "runs.csv", "summary.csv", "differences.csv"
@@ -92,9 +99,9 @@ class StudyFolder:
     def write_tables(self, found: Found) -> None:
         """Write the tables of what has been found so far."""
         tables = {
-            RUNS: runs_table(found),
-            SUMMARY: bands_table(found, bands(found)),
-            DIFFERENCES: bands_table(found, reference_bands(found)),
+            RUNS: csv_text(runs_table(found)),
+            SUMMARY: csv_text(bands_table(found, bands(found))),
+            DIFFERENCES: csv_text(bands_table(found, reference_bands(found))),
             ABOUT: json.dumps(about(found), indent=2) + "\n",
         }
         try:

@@ -103,11 +103,21 @@ def _band(group: tuple[object, ...], metric: str, values: Sequence[float | None]
     yield Band(group, metric, known.size, float(known.mean()), error, low, middle, high)
 
 
-def runs_table(found: Found) -> str:
-    """Every run, as CSV: where it stands on the axes, what became of it, its figures."""
+Table = tuple[list[str], Iterator[list[object]]]
+"""The head and the rows of a table."""
+
+
+def csv_text(table: Table) -> str:
+    """A table as CSV, its text such that no spreadsheet takes it for a formula."""
+    head, rows = table
+    return write_table(head, ([_harmless(cell) for cell in row] for row in rows))
+
+
+def runs_table(found: Found) -> Table:
+    """Every run: where it stands on the axes, what became of it, its figures."""
     study = found.runs.study
-    header = [*found.runs.axes, "policy", "network", "seed", "status", "reason"]
-    return write_table([*header, *study.metrics, "key"], _run_rows(found))
+    head = [*found.runs.axes, "policy", "network", "seed", "status", "reason"]
+    return [*head, *study.metrics, "key"], _run_rows(found)
 
 
 def _run_rows(found: Found) -> Iterator[list[object]]:
@@ -118,7 +128,7 @@ def _run_rows(found: Found) -> Iterator[list[object]]:
         figures = [result.figures.get(name) if result else None for name in metrics]
         labels = found.runs.points[run.point].labels
         told = (*labels, run.policy, run.network, run.seed, status, " ".join(reason.split()))
-        yield [*(_harmless(cell) for cell in told), *figures, run.key]
+        yield [*told, *figures, run.key]
 
 
 def _harmless(cell: object) -> object:
@@ -126,23 +136,13 @@ def _harmless(cell: object) -> object:
     return f"'{cell}" if isinstance(cell, str) and cell[:1] in tuple("=+-@\t\r") else cell
 
 
-def bands_table(found: Found, rows: Sequence[Band]) -> str:
-    """Bands as CSV."""
-    header = [*found.runs.axes, "policy", "network", *BAND_COLUMNS]
-    return write_table(
-        header,
-        (
-            [
-                *(_harmless(cell) for cell in band.group),
-                band.metric,
-                MEASURES[band.metric].unit,
-                band.days,
-                band.mean,
-                band.error,
-                band.p05,
-                band.p50,
-                band.p95,
-            ]
-            for band in rows
-        ),
-    )
+def bands_table(found: Found, rows: Sequence[Band]) -> Table:
+    """Bands, a row each."""
+    return [*found.runs.axes, "policy", "network", *BAND_COLUMNS], _band_rows(rows)
+
+
+def _band_rows(rows: Sequence[Band]) -> Iterator[list[object]]:
+    for band in rows:
+        count = (band.metric, MEASURES[band.metric].unit, band.days)
+        quantiles = (band.mean, band.error, band.p05, band.p50, band.p95)
+        yield [*band.group, *count, *quantiles]

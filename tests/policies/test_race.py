@@ -7,7 +7,8 @@ from hypothesis import HealthCheck, given, settings
 
 from evdash.errors import InputError
 from evdash.files.exchange import output_folder
-from evdash.files.race_folder import is_race, policies_text, read_race, write_race
+from evdash.files.race_folder import is_race, policies_table, read_race, write_race
+from evdash.files.tables import write_table
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
 from evdash.metrics.totals import totals
@@ -136,7 +137,7 @@ def test_files_read_back_as_they_were(raced, tmp_path):
     assert len(refused) == 1 + sum(len(lap.turned_down) for lap in raced.laps)
     told = [str(one.reason) for lap in raced.laps for one in lap.turned_down]
     assert [row["reason"] for row in csv.DictReader(refused)] == told
-    head, *rows = policies_text(raced).splitlines()
+    head, *rows = write_table(*policies_table(raced)).splitlines()
     assert len(rows) == len(raced.laps)
     assert {"policy", "profit", "acceptance_C1", "ac_overload_kva"} <= set(head.split(","))
     with pytest.raises(InputError, match="--force"), place(force=False):

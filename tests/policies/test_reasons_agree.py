@@ -8,10 +8,11 @@ import pytest
 from evdash.domain.trace import Trace
 from evdash.explain.refusals import explain_vehicle
 from evdash.files.bundled import DEFAULT, bundled_scenarios
-from evdash.files.race_folder import refusals_text
+from evdash.files.race_folder import refusals_table
 from evdash.files.run_export import RunLabel
 from evdash.files.run_tables import VehicleRow, table_text, vehicle_rows
 from evdash.files.scenario_folder import read_scenario
+from evdash.files.tables import write_table
 from evdash.horizon.day import begin, run_day
 from evdash.horizon.inputs import prepare
 from evdash.metrics.outlook import outlook
@@ -66,7 +67,7 @@ def agree(name: str, policy: str, most: int | None) -> Trace:
     assert all(f"{plain(clause)}\u00a0({count})" in head for clause, count in groups.items())
     # the race
     raced = race(inputs, [policy])
-    by_race = csv.DictReader(io.StringIO(refusals_text(raced)))
+    by_race = csv.DictReader(io.StringIO(write_table(*refusals_table(raced))))
     late = {request.vehicle for request in inputs.requests[inputs.scenario.intervals]}
     early = {vehicle: reason for vehicle, reason in told.items() if vehicle not in late}
     assert {row["vehicle"]: row["reason"] for row in by_race} == early

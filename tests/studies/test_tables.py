@@ -5,7 +5,7 @@ import pytest
 
 from evdash.domain.study import Result
 from evdash.studies.reading import read_study
-from evdash.studies.tables import Found, bands, reference_bands, runs_table
+from evdash.studies.tables import Found, bands, csv_text, reference_bands, runs_table
 from tests.studies.small import STUDY, finished, rows, write_study
 
 
@@ -67,12 +67,12 @@ def test_no_cell_starts_a_formula(tmp_path) -> None:
     runs = read_study(write_study(tmp_path, STUDY.format(count=1)))
     reason = "=1+1\nand more"
     results = {run.key: Result(run.key, "failed", reason, {}, 0.0) for run in runs.runs}
-    table = runs_table(Found(runs, results))
+    table = csv_text(runs_table(Found(runs, results)))
     assert "'=1+1 and more" in table
     assert ",=" not in table
 
 
 def test_a_study_not_run_yet_has_its_rows_and_no_bands(tmp_path) -> None:
     found = Found(read_study(write_study(tmp_path, STUDY.format(count=1))), {})
-    assert runs_table(found).count("not run yet") == 4
+    assert csv_text(runs_table(found)).count("not run yet") == 4
     assert bands(found) == reference_bands(found) == []

@@ -15,7 +15,8 @@ from evdash.charts.race import (
     profit_figure,
 )
 from evdash.domain.trace import Inputs
-from evdash.files.race_folder import intervals_text, policies_text, refusals_text
+from evdash.files.race_folder import Tabled, intervals_table, policies_table, refusals_table
+from evdash.files.tables import write_table
 from evdash.policies.race import CONTESTANTS, PAPERS, Race
 from evdash.policies.race_words import ANTICIPATING, race_sentences, race_table
 from evdash.policies.registry import RULES
@@ -201,16 +202,20 @@ def figures_markdown(race: Race) -> str:
     return "\n".join(lines)
 
 
+def _csv(tabled: Tabled, race: Race) -> str:
+    return write_table(*tabled(race))
+
+
 def _files(race: Race) -> None:
     with st.container(horizontal=True):
-        for label, name, text in (
-            ("Figures as CSV", "policies.csv", policies_text),
-            ("Every interval as CSV", "intervals.csv", intervals_text),
-            ("Refusals as CSV", "refusals.csv", refusals_text),
+        for label, name, tabled in (
+            ("Figures as CSV", "policies.csv", policies_table),
+            ("Every interval as CSV", "intervals.csv", intervals_table),
+            ("Refusals as CSV", "refusals.csv", refusals_table),
         ):
             st.download_button(
                 label,
-                data=partial(text, race),
+                data=partial(_csv, tabled, race),
                 file_name=f"race-{name}",
                 mime="text/csv",
                 on_click="ignore",

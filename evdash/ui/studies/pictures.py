@@ -1,45 +1,26 @@
 """What a study found, in pictures that fit what it varies, each with its table."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-import numpy as np
 import streamlit as st
 
 from evdash.charts.drawn import Drawn
-from evdash.charts.study_bands import (
-    Bands,
-    bands_alt,
-    bands_figure,
-    bars_figure,
-    days_alt,
-    days_figure,
-)
-from evdash.charts.study_heat import heat_alt, heat_figure
+from evdash.charts.study_bands import Bands, bands_alt, bars_figure
 from evdash.charts.study_map import site_alt, site_map
 from evdash.charts.style import Figure
 from evdash.domain.study import Band, Study
+from evdash.studies.drawing import Dimension, dimensions, picture
 from evdash.studies.measures import MEASURES
-from evdash.studies.tables import QUANTILES, Found, bands, reference_bands
+from evdash.studies.tables import Found, bands, reference_bands
 from evdash.ui.parts import show, table_below
 from evdash.ui.studies.words import answer, everywhere, is_less_better
 from evdash.ui.words import plain
 
 SITE = "station.node"
-MOST_SERIES = 6
 DIFFERENCE_HELP = (
     "Each day against the same day at the first value of every axis (or under the first policy "
     "where nothing else varies): what differs is then not the luck of who came."
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Dimension:
-    """Something that varies: its place in a band's group, its title, its labels in order."""
-
-    place: int
-    title: str
-    labels: tuple[object, ...]
 
 
 def pictures(found: Found, number: str) -> None:
@@ -74,17 +55,6 @@ def pictures(found: Found, number: str) -> None:
     table_below("study", lambda: _table(found, rows), "All metrics as a table")
 
 
-def dimensions(found: Found) -> list[Dimension]:
-    """What varies in a study: axes, policies and network models with more than one value."""
-    groups = [group.cells for group in found.groups()]
-    titles = (*found.runs.axes, "policy", "network model")
-    every = (
-        Dimension(place, title, tuple(dict.fromkeys(group[place] for group in groups)))
-        for place, title in enumerate(titles)
-    )
-    return [one for one in every if len(one.labels) > 1]
-
-
 def _chosen(rows: list[Band], varied: list[Dimension]) -> list[Band]:
     """Bands at one value of every dimension beyond the second."""
     for one in varied[2:]:
@@ -102,22 +72,13 @@ def _chosen(rows: list[Band], varied: list[Dimension]) -> list[Band]:
 def _draw(
     found: Found, metric: str, rows: list[Band], varied: list[Dimension], paired: bool
 ) -> None:
-    value = MEASURES[metric].head + (", difference" if paired else "")
-    if not varied:
-        _days(found, metric, value)
-        return
     sites = next((one for one in varied if one.title == _site_title(found)), None)
     if sites is not None and not paired:
-        _sites(found, metric, rows, sites, value)
+        _sites(found, metric, rows, sites)
         if len(varied) == 1:
             return
-    policy = varied[1] if len(varied) > 1 else None
-    if policy is None or policy.place >= len(found.runs.axes):
-        series = _series(rows, varied[0], policy)
-        drawn = bands_figure(series, varied[0].title, value, zero=paired)
-        _chart("study_bands", drawn, bands_alt(series, varied[0].title, value))
-    else:
-        _heat(rows, varied[0], policy, metric, value)
+    drawn = picture(found, metric, rows, varied, paired)
+    _chart(f"study_{drawn.kind}", drawn.figure, drawn.alt)
 
 
 def _chart(name: str, drawn: Figure, alt: str) -> None:
@@ -128,35 +89,9 @@ def _site_title(found: Found) -> str:
     return next((axis.title for axis in found.runs.study.axis if axis.key == SITE), "")
 
 
-def _days(found: Found, metric: str, value: str) -> None:
-    known = [found.value(run, metric) for run in found.runs.runs]
-    values = [one for one in known if one is not None]
-    quantiles = [float(q) for q in np.quantile(values, QUANTILES)] if values else []
-    _chart(
-        "study_days",
-        days_figure(values, quantiles, value),
-        days_alt(values, quantiles, value),
-    )
-
-
-def _series(rows: Sequence[Band], axis: Dimension, by: Dimension | None) -> list[Bands]:
-    series = []
-    for label in by.labels[:MOST_SERIES] if by else ("",):
-        mine = [band for band in rows if by is None or band.group[by.place] == label]
-        series.append(
-            Bands(
-                name=f"{label}",
-                at=[band.group[axis.place] for band in mine],
-                p05=[band.p05 for band in mine],
-                p50=[band.p50 for band in mine],
-                p95=[band.p95 for band in mine],
-            )
-        )
-    return series
-
-
-def _sites(found: Found, metric: str, rows: list[Band], sites: Dimension, value: str) -> None:
+def _sites(found: Found, metric: str, rows: list[Band], sites: Dimension) -> None:
     """Bars by node and the feeder as a map, of the first policy and network model."""
+    value = MEASURES[metric].head
     first: dict[str, Band] = {}
     for band in rows:
         first.setdefault(f"{band.group[sites.place]}", band)
@@ -176,21 +111,6 @@ def _sites(found: Found, metric: str, rows: list[Band], sites: Dimension, value:
         "study_bars",
         bars_figure(bars, "Node of the station", value),
         bands_alt([bars], "node", value),
-    )
-
-
-def _heat(
-    rows: Sequence[Band], across: Dimension, down: Dimension, metric: str, value: str
-) -> None:
-    cells = {(band.group[down.place], band.group[across.place]): band.p50 for band in rows}
-    values = [[cells.get((row, column)) for column in across.labels] for row in down.labels]
-    tell = MEASURES[metric].told
-    told = [[tell(cell) for cell in row] for row in values]
-    titles = (across.title, down.title, value)
-    _chart(
-        "study_heat",
-        heat_figure(across.labels, down.labels, values, titles, told),
-        heat_alt(across.labels, down.labels, values, titles),
     )
 
 
