@@ -11,6 +11,7 @@ from evdash.cli.terminal import Terminal, progress_bar
 from evdash.domain.trace import Network, Trace
 from evdash.errors import Fault, InputError
 from evdash.explain.worth import day_worths
+from evdash.files.bundled import located
 from evdash.files.draft import zipped
 from evdash.files.exchange import put_files
 from evdash.files.overrides import Setting, parse_settings
@@ -133,9 +134,10 @@ def add_export(commands: "argparse._SubParsersAction[argparse.ArgumentParser]", 
     )
     command.add_argument(
         "source",
-        type=Path,
+        type=located,
         metavar="SOURCE",
-        help="an earlier run's folder (run --out), or a scenario: a folder or a .zip",
+        help="an earlier run's folder (run --out), or a scenario: a folder, a .zip or the name of "
+        "a bundled one",
     )
     files = command.add_argument_group("what to write")
     files.add_argument(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from evdash.cli.options import add_settings
 from evdash.cli.terminal import Terminal
 from evdash.errors import Fault, InputError
-from evdash.files.bundled import DEFAULT
+from evdash.files.bundled import DEFAULT, located
 from evdash.files.draft import Draft
 from evdash.files.overrides import parse_settings
 from evdash.imports.folder import draft_in, with_overrides, write_draft
@@ -109,7 +109,7 @@ def into_command(
     )
     command.add_argument(
         "--base",
-        type=Path,
+        type=located,
         default=DEFAULT,
         metavar="SCENARIO",
         help="scenario a new folder begins from (default: the bundled day)",

@@ -11,13 +11,14 @@ from evdash import __version__
 from evdash.cli.audit import audit
 from evdash.cli.export import add_export
 from evdash.cli.imports import add_import
-from evdash.cli.options import add_settings
+from evdash.cli.options import SCENARIO, add_settings
 from evdash.cli.race import add_race
 from evdash.cli.run import run
 from evdash.cli.study import add_study
 from evdash.cli.terminal import Parser, Terminal, check_output
 from evdash.cli.validate import validate
 from evdash.errors import EvdashError, Fault, InputError
+from evdash.files.bundled import located
 from evdash.horizon.networks import NETWORKS
 from evdash.policies.registry import RULES
 
@@ -96,9 +97,9 @@ def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     command.add_argument(
         "scenario",
         nargs="?",
-        type=Path,
+        type=located,
         metavar="SCENARIO",
-        help="a scenario folder or a .zip of one; without it the bundled IEEE 13-node day",
+        help=SCENARIO,
     )
     command.add_argument("--seed", type=int, metavar="N", help="seed of the random arrivals")
     command.add_argument(
@@ -145,7 +146,7 @@ def _add_validate(commands: "argparse._SubParsersAction[argparse.ArgumentParser]
         description="Check a scenario as a whole: says ok, or lists every fault.",
         epilog=STATUSES,
     )
-    command.add_argument("scenario", type=Path, metavar="SCENARIO", help="a folder or a .zip")
+    command.add_argument("scenario", type=located, metavar="SCENARIO", help="a folder or a .zip")
     command.set_defaults(command=validate)
 
 

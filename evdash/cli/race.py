@@ -5,10 +5,10 @@ from pathlib import Path
 
 from rich.table import Table
 
-from evdash.cli.options import add_settings
+from evdash.cli.options import SCENARIO, add_settings
 from evdash.cli.terminal import Terminal, progress_bar
 from evdash.errors import Fault, InputError
-from evdash.files.bundled import DEFAULT
+from evdash.files.bundled import DEFAULT, located
 from evdash.files.exchange import Claim, output_folder
 from evdash.files.overrides import Setting, parse_settings
 from evdash.files.race_folder import is_race, write_race
@@ -37,9 +37,9 @@ def add_race(
     command.add_argument(
         "scenario",
         nargs="?",
-        type=Path,
+        type=located,
         metavar="SCENARIO",
-        help="a scenario folder or a .zip of one; without it the bundled IEEE 13-node day",
+        help=SCENARIO,
     )
     command.add_argument("--seed", type=int, metavar="N", help="seed of the random arrivals")
     command.add_argument(

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from evdash.cli.terminal import Terminal, progress_bar
 from evdash.domain.study import Band
+from evdash.files.bundled import located_study
 from evdash.studies.beyond import beyond_told
 from evdash.studies.crew import Crew
 from evdash.studies.engine import Progress as Stand
@@ -34,7 +35,12 @@ def add_study(
         "that was stopped, and runs only what is new in one that was changed.",
         epilog=statuses,
     )
-    command.add_argument("study", type=Path, metavar="FILE", help="a study file, .toml")
+    command.add_argument(
+        "study",
+        type=located_study,
+        metavar="FILE",
+        help="a study file, .toml, or the name of a bundled one, such as how-many-chargers",
+    )
     command.add_argument(
         "--out", type=Path, metavar="DIR", required=True, help="folder of results and tables"
     )

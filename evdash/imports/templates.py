@@ -33,8 +33,9 @@ from evdash.imports.scenario_book import (
     table_rows,
 )
 from evdash.imports.workbook import is_workbook, written
+from evdash.resources import DATA
 
-FOLDER = Path(__file__).parents[2] / "data" / "templates"
+FOLDER = DATA / "templates"
 TABLES: Mapping[str, str] = {
     "sessions.csv": "recorded sessions, for `import sessions`",
     "prices.csv": "energy prices by date and time, for `import prices`",

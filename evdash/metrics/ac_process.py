@@ -11,7 +11,6 @@ import sys
 import threading
 from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
@@ -21,8 +20,8 @@ from evdash.domain.scenario import Scenario
 from evdash.errors import EvdashError
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.ac_kept import KeptFlows
+from evdash.resources import IMPORTABLE_FROM
 
-ROOT = Path(__file__).parents[2]
 PATIENCE_SECONDS = 120.0
 """For one answer, the seconds that loading pandapower takes before the first included."""
 
@@ -59,7 +58,7 @@ class AcProcess:
         if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "evdash.metrics.ac_process"],
-                cwd=ROOT,
+                cwd=IMPORTABLE_FROM,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
             )

@@ -18,12 +18,12 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from evdash.errors import EvdashError
+from evdash.resources import IMPORTABLE_FROM
 from evdash.studies.crew import Crew, cores
 from evdash.studies.engine import Progress, run_study
 from evdash.studies.folder import StudyFolder
 from evdash.studies.stand import STOP, Stand, State, read_stand, write_stand
 
-ROOT = Path(__file__).parents[2]
 LOG = "log.txt"
 NICENESS = 15
 LOOK_SECONDS = 0.3
@@ -44,7 +44,7 @@ def launch(folder: StudyFolder, queue: Path, workers: int | None = None) -> int:
     with (folder.path / LOG).open("wb") as log:
         process = subprocess.Popen(  # noqa: S603 - our own module
             [*command, str(queue.resolve()), str(workers or spare_cores())],
-            cwd=ROOT,
+            cwd=IMPORTABLE_FROM,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=log,

@@ -4,10 +4,10 @@ import hashlib
 import platform
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
-NOT_BEARING = ("ui", "charts", "cli", "store", "explain", "audit")
+from evdash.resources import INSTALLED, PACKAGE
+
+NOT_BEARING = ("api", "ui", "charts", "cli", "store", "explain", "audit", INSTALLED.name)
 """Parts of the program no result of a study comes from."""
 PACKAGES = ("numpy", "scipy", "highspy", "pulp", "power-grid-model", "pandapower", "pydantic")
 
@@ -16,8 +16,8 @@ PACKAGES = ("numpy", "scipy", "highspy", "pulp", "power-grid-model", "pandapower
 def code_version() -> str:
     """A digest of every source file a result may depend on, and of the packages beneath."""
     digest = hashlib.sha256(platform.python_version().encode())
-    for path in sorted(ROOT.rglob("*.py")):
-        place = path.relative_to(ROOT)
+    for path in sorted(PACKAGE.rglob("*.py")):
+        place = path.relative_to(PACKAGE)
         if place.parts[0] not in NOT_BEARING:
             digest.update(f"{place.as_posix()}\n".encode())
             digest.update(path.read_bytes().replace(b"\r\n", b"\n"))

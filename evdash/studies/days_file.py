@@ -12,9 +12,10 @@ from evdash.domain.scenario import Scenario
 from evdash.files.run_export import versions
 from evdash.files.run_folder import scenario_hash
 from evdash.files.scenario_folder import scenario_files
+from evdash.resources import DATA
 from evdash.studies.days import DayTaken
 
-PAPER_DAYS = Path(__file__).parents[2] / "data" / "results" / "paper_days.json"
+PAPER_DAYS = DATA / "results" / "paper_days.json"
 
 
 @dataclass(frozen=True, slots=True)

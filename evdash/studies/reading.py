@@ -20,7 +20,7 @@ from evdash.domain.study import (
     StudyRuns,
 )
 from evdash.errors import Fault, InputError
-from evdash.files.bundled import PRESETS, bundled_scenarios
+from evdash.files.bundled import bundled_scenarios, is_there, located
 from evdash.files.nested import read_toml
 from evdash.files.scenario_folder import read_scenario
 from evdash.files.wording import allowed, found, shown
@@ -74,25 +74,15 @@ def _place(parts: Sequence[str | int]) -> str:
 
 def base_scenario(study: Study, beside: Path) -> Scenario:
     """The base scenario: a bundled one by its name, or a folder or .zip seen from `beside`."""
-    bundled = {folder.name: folder for folder in bundled_scenarios()}
-    place = beside / study.base
-    if not _is_there(place) and study.base in bundled:
-        place = PRESETS / study.base
-    if not _is_there(place):
-        rule = f"should be a folder or .zip, or one of {', '.join(bundled)}"
+    place = located(study.base, beside)
+    if not is_there(place):
+        bundled = ", ".join(folder.name for folder in bundled_scenarios())
+        rule = f"should be a folder or .zip, or one of {bundled}"
         raise InputError([Fault("base", shown(study.base), rule)])
     try:
         return read_scenario(place)
     except InputError as error:
         raise InputError([_within(f"base {study.base}", fault) for fault in error.faults]) from None
-
-
-def _is_there(place: Path) -> bool:
-    """Whether there is such a place; a name that no file can have is none."""
-    try:
-        return place.exists()
-    except (OSError, ValueError):
-        return False
 
 
 def _within(place: str, fault: Fault) -> Fault:

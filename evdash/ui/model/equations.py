@@ -16,13 +16,13 @@ from evdash.metrics.equations import (
     vehicle_numbers,
     vehicles_of,
 )
+from evdash.resources import IMPORTABLE_FROM
 from evdash.ui.model.card import Card, Numbers
 from evdash.ui.model.cards import GROUPS
 from evdash.ui.parts import view
 from evdash.ui.session import Session
 from evdash.ui.words import clock, plain
 
-ROOT = Path(__file__).parents[3]
 NOT_BEGUN = (
     "No interval has been decided yet, so there are no numbers to put into the equations. "
     "Press **Step** or **Run to end** above."
@@ -157,7 +157,7 @@ def _card(card: Card, numbers: Numbers | None) -> None:
 def _code(function: Callable[..., Any]) -> None:
     """Where a function stands, what it says of itself, and its text."""
     file = inspect.getsourcefile(function)
-    where = Path(file).relative_to(ROOT).as_posix() if file else function.__module__
+    where = Path(file).relative_to(IMPORTABLE_FROM).as_posix() if file else function.__module__
     st.markdown(f"`{where}` · `{function.__name__}`")
     st.caption(plain(inspect.getdoc(function) or ""))
     st.code(inspect.getsource(function), language="python")

@@ -16,12 +16,12 @@ from evdash.errors import InputError
 from evdash.files.race_folder import RACE, read_race
 from evdash.files.scenario_folder import resolved, scenario_files
 from evdash.policies.race import Race
+from evdash.resources import IMPORTABLE_FROM
 from evdash.ui.race.line import Place, line
 from evdash.ui.race.work import SCENARIO, Stand, read_stand
 from evdash.ui.visitors import visitor
 
 KEY = "evdash:race"
-ROOT = Path(__file__).parents[3]
 QUEUE = Path(tempfile.gettempdir()) / "evdash-race.lock"
 GONE = "The race ended before it was done."
 
@@ -121,7 +121,7 @@ class Racing:
 def _begun(command: list[str]) -> subprocess.Popen[bytes]:
     return subprocess.Popen(  # noqa: S603 - our own module
         command,
-        cwd=ROOT,
+        cwd=IMPORTABLE_FROM,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
