@@ -14,6 +14,7 @@ from evdash.audit.record import RunRecord
 from evdash.domain.limits import LimitRows
 from evdash.domain.plan import Snapshot
 from evdash.domain.scenario import Scenario
+from evdash.domain.tariff import Tariff
 from evdash.domain.trace import Network
 from evdash.domain.vehicles import Contract, Request
 from evdash.files.run_tables import IntervalRow
@@ -80,9 +81,8 @@ def _snapshot(moment: Moment, rows: LimitRows) -> Snapshot:
     contracts = tuple(Contract(_request(one, known)) for one in moment.contracts)
     return Snapshot(
         now=k,
-        interval_hours=known.interval_hours,
         chargers=known.station.chargers,
-        price_per_kwh=known.price_per_kwh[k:],
+        tariff=Tariff(known.price_per_kwh[k:], known.interval_hours),
         rows=rows.from_interval(k),
         contracts=contracts,
         requests=tuple(_request(one, known) for one in moment.newcomers),

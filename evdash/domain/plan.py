@@ -7,6 +7,7 @@ import numpy as np
 
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.refusal import Given, RefusalReason
+from evdash.domain.tariff import Tariff
 from evdash.domain.vehicles import Contract, Request
 
 Status = Literal["optimal", "feasible", "fallback"]
@@ -16,15 +17,14 @@ Status = Literal["optimal", "feasible", "fallback"]
 class Snapshot:
     """Everything known at the start of interval `now`, and nothing of later arrivals.
 
-    Slots count from now: slot 0 is the interval being decided. Shapes: price_per_kwh
-    (slots,), tail_kw (contracts, slots); `rows` covers the same slots. `asked` counts the
-    requests of every interval before this one.
+    Slots count from now: slot 0 is the interval being decided. `tail_kw` is (contracts, slots);
+    `tariff` and `rows` cover the same slots. `asked` counts the requests of every interval
+    before this one.
     """
 
     now: int
-    interval_hours: float
     chargers: int
-    price_per_kwh: Floats
+    tariff: Tariff
     rows: LimitRows
     contracts: tuple[Contract, ...]
     requests: tuple[Request, ...]
@@ -33,7 +33,17 @@ class Snapshot:
 
     @property
     def n_slots(self) -> int:
-        return len(self.price_per_kwh)
+        return len(self.tariff)
+
+    @property
+    def interval_hours(self) -> float:
+        """Length of a slot, h."""
+        return self.tariff.interval_hours
+
+    @property
+    def price_per_kwh(self) -> Floats:
+        """Energy price of each slot, $/kWh, (slots,)."""
+        return self.tariff.price_per_kwh
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +111,3 @@ def tail_plan(snapshot: Snapshot, reason: RefusalReason, report: SolveReport) ->
         refused=tuple(Refusal(r.vehicle, r.refusal or reason) for r in snapshot.requests),
         report=report,
     )
-
-
-def energy_cost(snapshot: Snapshot, power_kw: Floats) -> float:
-    """What the energy of a schedule (vehicles, slots) costs, $."""
-    return float(snapshot.price_per_kwh @ power_kw.sum(axis=0) * snapshot.interval_hours)

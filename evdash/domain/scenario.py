@@ -26,6 +26,7 @@ from evdash.domain.fields import (
     declare,
     declare_optional,
 )
+from evdash.domain.tariff import Tariff
 
 LOCAL_TIME_FORMAT = "%Y-%m-%dT%H:%M"
 FIRST_YEAR, LAST_YEAR = 1900, 2999
@@ -98,7 +99,11 @@ class Station(Record):
 
 
 class PriceOption(Record):
-    """One `[[option]]`: what a kWh costs the driver and how fast it is promised."""
+    """One `[[option]]`: what a kWh costs the driver and how fast it is promised.
+
+    What that comes to is reckoned in `Request.pays`, the time of return in
+    `evdash/horizon/requests.py`; what energy costs the station in `Tariff`.
+    """
 
     name: Name = declare("Name of the price option", "", "C1")
     price_per_kwh: Number = declare(
@@ -277,6 +282,11 @@ class Scenario(Record):
     def price_per_kwh(self) -> np.ndarray:
         """Energy price of each interval, $/kWh, shape (intervals,)."""
         return _frozen([row.price_per_kwh for row in self.profile])
+
+    @property
+    def tariff(self) -> Tariff:
+        """What energy costs the station over the whole horizon."""
+        return Tariff(self.price_per_kwh, self.interval_hours)
 
     @cached_property
     def load_pu(self) -> np.ndarray:

@@ -35,10 +35,22 @@ class Request:
     soc_out: float
     refusal: GivenOrNone = None
 
+    def pays(self, energy_kwh: float) -> float:
+        """What its driver pays for so much energy, $, by the terms of the price option."""
+        return self.price_per_kwh * energy_kwh
+
     @property
     def revenue(self) -> float:
         """What its driver pays in full, $."""
-        return self.price_per_kwh * self.need_kwh
+        return self.pays(self.need_kwh)
+
+    def paying_more(self, usd_per_kwh: float) -> Self:
+        """The same request at so much more for every kWh."""
+        return replace(self, price_per_kwh=self.price_per_kwh + usd_per_kwh)
+
+    def with_bonus(self, usd: float) -> Self:
+        """The same request with so much on top of what its driver pays in full."""
+        return self.paying_more(usd / self.need_kwh)
 
 
 @dataclass(frozen=True, slots=True)

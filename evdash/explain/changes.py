@@ -99,8 +99,8 @@ def asked(inputs: Inputs, snapshot: Snapshot, request: Request, change: Change) 
         need_kwh=need,
         max_kw=max(max_kw, need / scenario.interval_hours) if change.lifted else max_kw,
         deadline_interval=deadline + change.later,
-        price_per_kwh=request.price_per_kwh + change.price_per_kwh + change.bonus / need,
     )
+    anew = anew.paying_more(change.price_per_kwh).with_bonus(change.bonus)
     station = scenario.station.model_copy(update={"chargers": chargers})
     return replace(anew, refusal=refusal_at_the_door(scenario.replacing(station=station), anew))
 
@@ -117,10 +117,10 @@ def longer(inputs: Inputs, snapshot: Snapshot, n_slots: int) -> Snapshot:
         return snapshot
     rows, contracts = inputs.rows, len(snapshot.contracts)
     limit_kw = np.vstack([snapshot.rows.limit_kw, np.repeat(rows.limit_kw[-1:], added, axis=0)])
-    price = inputs.scenario.price_per_kwh[-1]
+    slots = np.minimum(snapshot.now + np.arange(n_slots), inputs.scenario.intervals - 1)
     return replace(
         snapshot,
-        price_per_kwh=np.append(snapshot.price_per_kwh, np.full(added, price)),
+        tariff=inputs.scenario.tariff[slots],
         rows=LimitRows(rows.elements, rows.coefficient, limit_kw),
         tail_kw=np.hstack([snapshot.tail_kw, np.zeros((contracts, added))]),
     )

@@ -66,12 +66,11 @@ def explain_revision(trace: Trace, interval: int, policy: Policy | None = None) 
     hours = snapshot.interval_hours
     moves = moves_between(names, before_kw, after_kw, interval, hours)
     moved_kwh = sum(move.energy_kwh for move in moves)
-    price = snapshot.price_per_kwh * hours
     made_room_kwh = _for_newcomers(step, before_kw, policy or p1_plans()) if moves else 0.0
     revision = Revision(
         interval=interval,
         moves=moves,
-        cost_change=float((after_kw - before_kw).sum(axis=0) @ price),
+        cost_change=snapshot.tariff.cost(after_kw - before_kw),
         for_newcomers_kwh=min(moved_kwh, made_room_kwh),
         admitted=step.plan.admitted,
         edited=edits_between(last, step),

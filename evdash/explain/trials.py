@@ -233,7 +233,7 @@ class Trials:
     @property
     def bonus(self) -> float:
         """More than any two plans can differ by, $."""
-        return forcing_bonus(self.snapshot, self.inputs.scenario.price_per_kwh)
+        return forcing_bonus(self.snapshot, self.inputs.scenario.tariff)
 
 
 def _objective(plan: Plan) -> float:

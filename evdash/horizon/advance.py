@@ -29,9 +29,8 @@ def snapshot_of(inputs: Inputs, state: State) -> Snapshot:
         requests = tuple(replace(r, refusal=r.refusal or PROMISES_SHORT) for r in requests)
     return Snapshot(
         now=state.now,
-        interval_hours=scenario.interval_hours,
         chargers=scenario.station.chargers,
-        price_per_kwh=scenario.price_per_kwh[state.now :],
+        tariff=scenario.tariff[state.now :],
         rows=inputs.rows.from_interval(state.now),
         contracts=state.contracts,
         requests=requests,

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from evdash.checker.plans import plan_problems
-from evdash.domain.plan import Plan, Policy, Snapshot, SolveReport, energy_cost, tail_plan
+from evdash.domain.plan import Plan, Policy, Snapshot, SolveReport, tail_plan
 from evdash.domain.refusal import RefusalReason
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Inputs, LimitCheck, Network, Step, Trace
@@ -105,5 +105,5 @@ def answer_problems(plan: Plan, snapshot: Snapshot) -> list[str]:
 
 def fallback(snapshot: Snapshot, why: str) -> Plan:
     """The certified tail without new contracts."""
-    report = SolveReport("fallback", objective=energy_cost(snapshot, snapshot.tail_kw), note=why)
+    report = SolveReport("fallback", objective=snapshot.tariff.cost(snapshot.tail_kw), note=why)
     return tail_plan(snapshot, RefusalReason("fallback"), report)

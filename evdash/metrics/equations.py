@@ -143,7 +143,6 @@ def vehicle_numbers(step: Step, vehicle: str) -> VehicleNumbers:
 def station_numbers(step: Step) -> StationNumbers:
     """The station as a whole in a step."""
     plan, inputs = step.plan, step.inputs
-    prices = inputs.scenario.price_per_kwh[step.interval :]
     revenue = {request.vehicle: request.revenue for request in step.requests}
     running = zip(plan.vehicles, plan.power_kw[:, 0], strict=True)
     return StationNumbers(
@@ -151,7 +150,7 @@ def station_numbers(step: Step) -> StationNumbers:
         chargers=inputs.scenario.station.chargers,
         headroom_kw=float(inputs.rows.headroom_kw()[step.interval]),
         binding=inputs.rows.binding()[step.interval],
-        energy_cost=float(prices @ plan.station_kw) * inputs.scenario.interval_hours,
+        energy_cost=inputs.scenario.tariff[step.interval :].cost(plan.power_kw),
         new_revenue=sum(revenue[vehicle] for vehicle in plan.admitted),
         bound=plan.report.bound,
     )

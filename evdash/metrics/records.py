@@ -9,6 +9,7 @@ import numpy as np
 
 from evdash.domain.plan import Status
 from evdash.domain.refusal import RefusalReason
+from evdash.domain.tariff import Tariff
 from evdash.domain.trace import Step, Trace
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Contract, Request
 
@@ -76,8 +77,8 @@ class VehicleRecord:
         if self.status == "refused":
             return 0.0
         if self.status in ("broken", "released"):
-            return self.request.price_per_kwh * self.delivered_kwh
-        return self.request.price_per_kwh * (self.promised_kwh - self.short_kwh)
+            return self.request.pays(self.delivered_kwh)
+        return self.request.pays(self.promised_kwh - self.short_kwh)
 
 
 def interval_record(step: Step) -> IntervalRecord:
@@ -118,6 +119,12 @@ def executed_power(trace: Trace) -> Iterator[tuple[int, str, float]]:
 def executed_station_kw(trace: Trace) -> np.ndarray:
     """Station power of the intervals executed so far, kW, shape (steps,)."""
     return np.array([step.station_kw for step in trace.steps])
+
+
+def executed_tariff(trace: Trace) -> Tariff:
+    """The tariff in force in each of the intervals executed so far, (steps,)."""
+    prices = [step.inputs.scenario.price_per_kwh[step.interval] for step in trace.steps]
+    return Tariff(np.array(prices), trace.scenario.interval_hours)
 
 
 def vehicle_records(trace: Trace) -> tuple[VehicleRecord, ...]:

@@ -8,7 +8,12 @@ import numpy as np
 
 from evdash.domain.trace import Trace
 from evdash.metrics.outlook import load_kw
-from evdash.metrics.records import executed_power, executed_station_kw, vehicle_records
+from evdash.metrics.records import (
+    executed_power,
+    executed_station_kw,
+    executed_tariff,
+    vehicle_records,
+)
 
 Hours = Iterable[tuple[time, time]]
 PEAK_SHARE = 0.9
@@ -54,11 +59,9 @@ def intermittent(trace: Trace) -> Intermittent:
 
 def price_paid(trace: Trace) -> tuple[float | None, float]:
     """($/kWh paid on average for charging, plain mean of prices) of the intervals executed."""
-    station_kw = executed_station_kw(trace)
-    prices = np.array([step.inputs.scenario.price_per_kwh[step.interval] for step in trace.steps])
-    if not station_kw.sum():
-        return None, float(prices.mean()) if len(prices) else 0.0
-    return float(station_kw @ prices / station_kw.sum()), float(prices.mean())
+    station_kw, tariff = executed_station_kw(trace), executed_tariff(trace)
+    plain = float(tariff.price_per_kwh.mean()) if len(tariff) else 0.0
+    return (tariff.mean_price(station_kw) if station_kw.sum() else None), plain
 
 
 def station_share_at_peak(trace: Trace) -> float | None:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from evdash.domain.trace import Trace
-from evdash.metrics.records import executed_station_kw, vehicle_records
+from evdash.metrics.records import executed_station_kw, executed_tariff, vehicle_records
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +35,6 @@ def totals(trace: Trace) -> Totals:
     """The totals of the steps taken so far."""
     vehicles = vehicle_records(trace)
     station_kw = executed_station_kw(trace)
-    prices = [float(step.inputs.scenario.price_per_kwh[step.interval]) for step in trace.steps]
-    hours = trace.scenario.interval_hours
     refused = sum(record.status == "refused" for record in vehicles)
     return Totals(
         arrived=len(vehicles),
@@ -46,8 +44,8 @@ def totals(trace: Trace) -> Totals:
         broken=sum(record.status == "broken" for record in vehicles),
         released=sum(record.status == "released" for record in vehicles),
         energy_requested_kwh=sum(record.request.need_kwh for record in vehicles),
-        energy_delivered_kwh=float(station_kw.sum()) * hours,
+        energy_delivered_kwh=float(station_kw.sum()) * trace.scenario.interval_hours,
         revenue=sum(record.revenue for record in vehicles),
-        energy_cost=float(station_kw @ prices) * hours if prices else 0.0,
+        energy_cost=executed_tariff(trace).cost(station_kw),
         peak_station_kw=float(station_kw.max(initial=0.0)),
     )

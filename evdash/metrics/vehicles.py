@@ -8,7 +8,7 @@ from evdash.domain.limits import Floats
 from evdash.domain.trace import Trace
 from evdash.domain.vehicles import Request
 from evdash.metrics.ledger import LedgerEntry, ledger
-from evdash.metrics.records import VehicleRecord, vehicle_records
+from evdash.metrics.records import VehicleRecord, executed_tariff, vehicle_records
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +75,10 @@ def vehicle_day(trace: Trace, vehicle: str) -> VehicleDay:
     record = {record.vehicle: record for record in vehicle_records(trace)}[vehicle]
     hours = trace.scenario.interval_hours
     power_kw = np.zeros(trace.scenario.intervals)
-    cost = 0.0
     for step in trace.steps:
         if vehicle in step.plan.vehicles:
-            kw = float(step.plan.power_kw[step.plan.vehicles.index(vehicle), 0])
-            power_kw[step.interval] = kw
-            cost += kw * hours * float(step.inputs.scenario.price_per_kwh[step.interval])
+            row = step.plan.vehicles.index(vehicle)
+            power_kw[step.interval] = step.plan.power_kw[row, 0]
     for contract, tail_kw in zip(trace.state.contracts, trace.state.tail_kw, strict=True):
         if contract.vehicle == vehicle:
             power_kw[trace.now :] = tail_kw
@@ -93,7 +91,7 @@ def vehicle_day(trace: Trace, vehicle: str) -> VehicleDay:
         power_kw=power_kw,
         soc=request.soc_in + charged_kwh * soc_per_kwh(request),
         least_soc=np.full(trace.scenario.intervals + 1, request.soc_in),
-        energy_cost=cost,
+        energy_cost=executed_tariff(trace).cost(power_kw[: trace.now]),
         terms=terms,
     )
     return replace(day, least_soc=least_soc(day, hours))

@@ -14,6 +14,7 @@ from evdash.domain.limits import Floats
 from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
 from evdash.domain.refusal import RefusalReason
 from evdash.domain.scenario import ArrivalStatistics, GeneratedArrivals, Scenario
+from evdash.domain.tariff import Tariff
 from evdash.domain.vehicles import Request
 from evdash.errors import Fault, InputError
 from evdash.policies.expectation import (
@@ -107,7 +108,7 @@ def _anticipated(
 
     Where not all of them can be served after all, P1 at the price of capacity says who can.
     """
-    dearer = snapshot.price_per_kwh + price
+    dearer = snapshot.tariff.dearer_by(price)
     chosen = tuple(r for r, yes in zip(asking, expected.admitted, strict=True) if yes > 0.5)
     first_kw = dict(
         zip(
@@ -131,13 +132,11 @@ def _anticipated(
     return None
 
 
-def _served(
-    snapshot: Snapshot, chosen: tuple[Request, ...], price_per_kwh: Floats
-) -> tuple[Request, ...]:
+def _served(snapshot: Snapshot, chosen: tuple[Request, ...], tariff: Tariff) -> tuple[Request, ...]:
     """Those of the chosen for whom there is room: they pay so much that only that counts."""
-    more = max(0.0, float(price_per_kwh.max()))
-    paying = tuple(replace(r, price_per_kwh=r.price_per_kwh + more) for r in chosen)
-    asked = replace(snapshot, price_per_kwh=price_per_kwh, requests=paying)
+    more = max(0.0, float(tariff.price_per_kwh.max()))
+    paying = tuple(r.paying_more(more) for r in chosen)
+    asked = replace(snapshot, tariff=tariff, requests=paying)
     admitted = p1_plans()(asked).admitted
     return tuple(r for r in chosen if r.vehicle in admitted)
 

@@ -71,7 +71,7 @@ def _holds(foresight: Foresight, snapshot: Snapshot) -> bool:
     left = foresight.solution.power_kw[:, begin:].sum(axis=1) * problem.interval_hours
     return (
         np.array_equal(problem.rows.limit_kw[begin:], snapshot.rows.limit_kw)
-        and np.array_equal(problem.price_per_kwh[begin:], snapshot.price_per_kwh)
+        and problem.tariff[begin:].is_same(snapshot.tariff)
         and problem.chargers == snapshot.chargers
         and all(
             contract.vehicle in place

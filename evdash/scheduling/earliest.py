@@ -26,7 +26,7 @@ def earliest_first(
     rows.add(problem.n_vehicles, energy, energy, (vehicle, pairs, hours))
     # with one port the tightest row of a slot implies its others
     rows.add(problem.n_slots, -np.inf, headroom, (slot, pairs, 1.0))
-    rows.add(1, -np.inf, cost_limit, (0 * pairs, pairs, problem.price_per_kwh[slot] * hours))
+    rows.add(1, -np.inf, cost_limit, (0 * pairs, pairs, problem.tariff.cost_per_kw[slot]))
     row_lower, row_upper = rows.limits()
     program = LinearProgram(
         cost=(slot * hours).astype(np.float64),

@@ -59,11 +59,17 @@ def build(data: Problem, equations: Sequence[Equation], name: str = "P1") -> Mod
     return model
 
 
+def energy_cost(model: Model) -> pulp.LpAffineExpression:
+    """Σ c·P·Δt: what a schedule costs by the tariff, $."""
+    cost = model.data.tariff.cost_per_kw
+    return pulp.lpSum(cost[t] * model.P[n][t] for n in model.vehicles for t in model.slots)
+
+
 def profit(model: Model) -> None:
     """(P1) objective: energy cost less the revenue of new contracts, Δt in both terms."""
-    c, h = model.data.price_per_kwh, model.data.interval_hours
-    cost = pulp.lpSum(c[t] * h * model.P[n][t] for n in model.vehicles for t in model.slots)
-    model.lp += cost - pulp.lpSum(model.data.revenue[n] * model.u[n] for n in model.vehicles)
+    model.lp += energy_cost(model) - pulp.lpSum(
+        model.data.revenue[n] * model.u[n] for n in model.vehicles
+    )
 
 
 def contracts_stay(model: Model) -> None:
@@ -162,11 +168,9 @@ def least_given_up(model: Model) -> None:
 
 def least_money(model: Model) -> None:
     """Objective of recourse, last: energy cost, and revenue lost with what is missing, $."""
-    c, h = model.data.price_per_kwh, model.data.interval_hours
-    cost = pulp.lpSum(c[t] * h * model.P[n][t] for n in model.vehicles for t in model.slots)
     paid = model.data.revenue / np.maximum(model.data.owed_kwh, ENERGY_TOLERANCE_KWH)
     lost = pulp.lpSum(paid[n] * model.short_kwh[n] for n in model.vehicles)
-    model.lp.setObjective(cost + lost)
+    model.lp.setObjective(energy_cost(model) + lost)
 
 
 def _firm(model: Model) -> list[int]:

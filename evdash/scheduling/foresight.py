@@ -21,8 +21,9 @@ from evdash.scheduling.fast.relaxation import (
     feeder_limit,
     limited_slots,
     power_only_under_contract,
+    program_of,
 )
-from evdash.scheduling.highs import LinearProgram, LpPoint
+from evdash.scheduling.highs import LpPoint
 from evdash.scheduling.problem import Bools, Ints, Problem, problem_of
 from evdash.scheduling.rows import Indices, Rows
 
@@ -76,14 +77,7 @@ def known_day(problem: Problem, opens: Ints) -> KnownDay:
     feeder_limit(rows, at, charges, headroom_kw)
     between = rows.count
     charger_count(rows, at, problem, slots)
-    cost, lower, upper = np.zeros(at.total), np.zeros(at.total), np.ones(at.total)
-    cost[: at.n_pairs] = problem.price_per_kwh[at.slot] * problem.interval_hours
-    cost[at.u] = -problem.revenue
-    upper[: at.n_pairs] = charges.top_kw[at.vehicle]
-    contract = np.arange(problem.n_vehicles) < problem.n_contracts
-    lower[at.u] = contract
-    upper[at.u] = contract | charges.servable
-    program = LinearProgram(cost, rows.matrix(at.total), *rows.limits(), lower, upper)
+    program = program_of(problem, charges, at, rows)
     return KnownDay(
         Relaxation(problem, charges, headroom_kw, slots, at, program, slice(above, rows.count)),
         limited_slots(at, charges, headroom_kw),

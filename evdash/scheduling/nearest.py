@@ -4,6 +4,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, vstack
 
 from evdash.domain.limits import Floats
+from evdash.domain.tariff import Tariff
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation
 from evdash.scheduling.fast.solver import made_from
@@ -16,25 +17,25 @@ GAP_USD = 0.02
 
 
 def nearest_schedule(
-    problem: Problem, first_kw: Floats, price_per_kwh: Floats, effort: Effort
+    problem: Problem, first_kw: Floats, tariff: Tariff, effort: Effort
 ) -> Floats | None:
     """Power (vehicles, slots), kW, of everyone in the problem; None if none was found.
 
-    A kWh of the first slot's that differs from `first_kw` (vehicles,) costs more than any
-    `price_per_kwh` (slots,) could save; among those nearest the cheapest.
+    A kWh of the first slot's that differs from `first_kw` (vehicles,) costs more than it could
+    save by `tariff` in any other; among those nearest the cheapest.
     """
     relaxation = made_from(problem)
     if not problem.n_vehicles:
         return np.zeros((0, problem.n_slots))
     first = np.flatnonzero(relaxation.columns.slot == 0)
-    program = _with_deviations(relaxation, first, first_kw, price_per_kwh)
+    program = _with_deviations(relaxation, first, first_kw, tariff)
     kinds = _kinds(relaxation, program)
     outcome = Session(program).branched(kinds, effort, nodes=NODES, absolute_gap=GAP_USD)
     return None if outcome.values is None else relaxation.power_kw(outcome.values)
 
 
 def _with_deviations(
-    relaxation: Relaxation, first: Indices, first_kw: Floats, price_per_kwh: Floats
+    relaxation: Relaxation, first: Indices, first_kw: Floats, tariff: Tariff
 ) -> LinearProgram:
     """Two columns behind the others for each pair in the first slot: below and above the wish."""
     program, at, hours = relaxation.program, relaxation.columns, relaxation.problem.interval_hours
@@ -48,9 +49,9 @@ def _with_deviations(
     widened = csr_matrix((known.data, known.indices, known.indptr), (known.shape[0], total))
     matrix = csr_matrix(vstack([widened, rows.matrix(total)]))
     matrix.indices, matrix.indptr = matrix.indices.astype(np.int32), matrix.indptr.astype(np.int32)
-    dearer = 1.0 + float(np.ptp(price_per_kwh))
+    dearer = 1.0 + tariff.most_saved_per_kwh
     cost = np.concatenate([np.zeros(at.total), np.full(2 * pairs, dearer * hours)])
-    cost[: at.n_pairs] = price_per_kwh[at.slot] * hours
+    cost[: at.n_pairs] = tariff.cost_per_kw[at.slot]
     lower = np.concatenate([program.lower, np.zeros(2 * pairs)])
     lower[at.u] = 1.0
     return LinearProgram(

@@ -131,7 +131,7 @@ def _earlier(problem: Problem, admitted: Bools, power_kw: Floats, bound: float) 
     """Decision 6: the earliest plan within a cent of the bound and never dearer than the tail."""
     revenue = float(problem.revenue @ admitted)
     limit = max(
-        min(bound + TIE_USD, problem.tail_objective) + revenue, problem.energy_cost(power_kw)
+        min(bound + TIE_USD, problem.tail_objective) + revenue, problem.tariff.cost(power_kw)
     )
     try:
         effort = Effort(EARLIEST_WORK)
@@ -140,7 +140,7 @@ def _earlier(problem: Problem, admitted: Bools, power_kw: Floats, bound: float) 
     except SolverFailure:
         return power_kw
     earlier = cleaned(problem, admitted, earlier)
-    return earlier if problem.energy_cost(earlier) <= limit + ROUNDING_USD else power_kw
+    return earlier if problem.tariff.cost(earlier) <= limit + ROUNDING_USD else power_kw
 
 
 def _as_found(problem: Problem, admitted: Bools, power_kw: Floats, bound: float) -> Floats:

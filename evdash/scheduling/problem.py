@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.plan import Snapshot
+from evdash.domain.tariff import Tariff
 from evdash.domain.vehicles import Request
 
 Bools = NDArray[np.bool_]
@@ -25,8 +26,8 @@ TIE_USD = 0.98 * OPTIMALITY_USD
 class Problem:
     """P1 at one interval. Vehicles: the contracts first, then the requests worth asking about.
 
-    Shapes: owed_kwh, intervals_left, low_kw, high_kw and revenue (vehicles,); price_per_kwh
-    (slots,). `revenue` in $ is what admitting brings, 0 for contracts. `low_kw` is the lower
+    Shapes: owed_kwh, intervals_left, low_kw, high_kw and revenue (vehicles,); tail_kw (vehicles,
+    slots). `revenue` in $ is what admitting brings, 0 for contracts. `low_kw` is the lower
     end of (6b), min(min_kw, owed/Δt). `first_slot`, (vehicles,) or one for all, is the first
     in which a vehicle is there: 0 but for who is late.
     """
@@ -38,8 +39,7 @@ class Problem:
     low_kw: Floats
     high_kw: Floats
     revenue: Floats
-    price_per_kwh: Floats
-    interval_hours: float
+    tariff: Tariff
     chargers: int
     rows: LimitRows
     tail_kw: Floats
@@ -51,7 +51,12 @@ class Problem:
 
     @property
     def n_slots(self) -> int:
-        return len(self.price_per_kwh)
+        return len(self.tariff)
+
+    @property
+    def interval_hours(self) -> float:
+        """Δt, h."""
+        return self.tariff.interval_hours
 
     @property
     def window(self) -> Bools:
@@ -59,18 +64,14 @@ class Problem:
         slots, first = np.arange(self.n_slots), np.reshape(self.first_slot, (-1, 1))
         return (first <= slots) & (slots < self.intervals_left[:, None])
 
-    def energy_cost(self, power_kw: Floats) -> float:
-        """What the energy of a schedule (vehicles, slots) costs, $."""
-        return float(self.price_per_kwh @ power_kw.sum(axis=0)) * self.interval_hours
-
     def objective(self, admitted: Bools, power_kw: Floats) -> float:
         """The value P1 minimises, $: energy cost less the revenue of new contracts."""
-        return self.energy_cost(power_kw) - float(self.revenue @ admitted)
+        return self.tariff.cost(power_kw) - float(self.revenue @ admitted)
 
     @property
     def tail_objective(self) -> float:
         """The value of keeping the last plan's tail and admitting nobody, $."""
-        return self.energy_cost(self.tail_kw)
+        return self.tariff.cost(self.tail_kw)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +114,7 @@ def problem_of(snapshot: Snapshot) -> Problem:
         low_kw=low,
         high_kw=high,
         revenue=np.array([0.0] * n + [r.revenue for r in newcomers]),
-        price_per_kwh=snapshot.price_per_kwh,
-        interval_hours=snapshot.interval_hours,
+        tariff=snapshot.tariff,
         chargers=snapshot.chargers,
         rows=_rows_no_tighter_than(snapshot.rows, tail.sum(axis=0)),
         tail_kw=np.vstack([tail, np.zeros((len(newcomers), snapshot.n_slots))]),
@@ -143,9 +143,8 @@ def contracts_problem(
         intervals_left=np.maximum(0, ends - snapshot.now),
         low_kw=np.minimum([r.min_kw for r in requests], owed_kwh / snapshot.interval_hours),
         high_kw=np.array([r.max_kw for r in requests], dtype=float),
-        revenue=owed_kwh * [r.price_per_kwh for r in requests],
-        price_per_kwh=snapshot.price_per_kwh,
-        interval_hours=snapshot.interval_hours,
+        revenue=np.array([r.pays(kwh) for r, kwh in zip(requests, owed_kwh, strict=True)]),
+        tariff=snapshot.tariff,
         chargers=snapshot.chargers,
         rows=LimitRows(rows.elements, rows.coefficient, np.maximum(0.0, rows.limit_kw)),
         tail_kw=snapshot.tail_kw,

@@ -14,8 +14,9 @@ from math import ceil, floor
 import numpy as np
 
 from evdash.domain.limits import Floats, LimitRows
-from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, energy_cost
+from evdash.domain.plan import Plan, Policy, Refusal, Snapshot
 from evdash.domain.refusal import RefusalKind, RefusalReason
+from evdash.domain.tariff import Tariff
 from evdash.domain.vehicles import Request
 from evdash.errors import SolverFailure
 from evdash.scheduling.fast.forced import lp_bound_with
@@ -54,7 +55,7 @@ def reason_of(snapshot: Snapshot, request: Request, plan: Plan, answers: Policy)
     if alone is not None:
         return alone
     rivals = tuple(r for r in snapshot.requests if r.vehicle in set(plan.admitted))
-    worth = energy_cost(snapshot, plan.power_kw) - sum(r.revenue for r in rivals)
+    worth = snapshot.tariff.cost(plan.power_kw) - sum(r.revenue for r in rivals)
     probe = Probe(replace(snapshot, requests=()), request, answers)
     try:
         return _beside_others(probe, rivals, plan, worth)
@@ -69,8 +70,7 @@ def alone_at_the_station(snapshot: Snapshot, request: Request) -> RefusalReason 
 
 def energy_too_dear(snapshot: Snapshot, request: Request) -> RefusalReason | None:
     """The reason where even the cheapest schedule without any feeder costs what it pays."""
-    prices = snapshot.price_per_kwh[: _window(snapshot, request)]
-    cost = cheapest_cost(prices, snapshot.interval_hours, request)
+    cost = cheapest_cost(snapshot.tariff[: _window(snapshot, request)], request)
     if cost < request.revenue - ROUNDING_USD:
         return None
     return RefusalReason("energy", cost=cost, pays=request.revenue, need_kwh=request.need_kwh)
@@ -95,20 +95,19 @@ def holds(room_kw: Floats, interval_hours: float, request: Request, slack_kw: fl
     return bool(enough.any())
 
 
-def cheapest_cost(prices: Floats, interval_hours: float, request: Request) -> float:
-    """What its energy costs at the least with slots of these prices to itself, $.
+def cheapest_cost(tariff: Tariff, request: Request) -> float:
+    """What its energy costs at the least with all slots of a tariff to itself, $.
 
     With j slots the cheapest j are best, each at its lowest power and the rest in the cheapest.
     """
-    owed_kw = request.need_kwh / interval_hours
+    owed_kw = request.need_kwh / tariff.interval_hours
     low_kw, top_kw = min(request.min_kw, owed_kw), min(request.max_kw, owed_kw)
-    cheapest = np.sort(prices)
-    most = len(prices) if low_kw <= 0 else min(len(prices), floor(owed_kw / low_kw + WHOLE))
+    most = len(tariff) if low_kw <= 0 else min(len(tariff), floor(owed_kw / low_kw + WHOLE))
     costs = [np.inf]
     for slots in range(max(1, ceil(owed_kw / top_kw - WHOLE)), most + 1):
         spare_kw = max(0.0, owed_kw - slots * low_kw)
         more_kw = np.clip(spare_kw - (top_kw - low_kw) * np.arange(slots), 0.0, top_kw - low_kw)
-        costs.append(float(cheapest[:slots] @ (low_kw + more_kw)) * interval_hours)
+        costs.append(tariff.least_cost(low_kw + more_kw))
     return min(costs)
 
 
@@ -148,8 +147,7 @@ class Probe:
         """
         snapshot, request = self.snapshot, self.request
         if forced:
-            paid = request.price_per_kwh + self.bonus(others) / request.need_kwh
-            request = replace(request, price_per_kwh=paid)
+            request = request.with_bonus(self.bonus(others))
         if no_feeder:
             none = LimitRows((), np.zeros((0, 1)), np.zeros((snapshot.n_slots, 0)))
             snapshot = replace(snapshot, rows=none)
@@ -185,7 +183,7 @@ class Probe:
     def bonus(self, others: tuple[Request, ...] = ()) -> float:
         """More than any two plans can differ by, $."""
         return forcing_bonus(
-            replace(self.snapshot, requests=(*others, self.request)), self.snapshot.price_per_kwh
+            replace(self.snapshot, requests=(*others, self.request)), self.snapshot.tariff
         )
 
     @property
@@ -195,13 +193,12 @@ class Probe:
         return replace(self, snapshot=replace(self.snapshot, contracts=(), tail_kw=nothing))
 
 
-def forcing_bonus(snapshot: Snapshot, price_per_kwh: Floats) -> float:
+def forcing_bonus(snapshot: Snapshot, tariff: Tariff) -> float:
     """A price on top, $, that puts a request in wherever it fits."""
     owed_kwh = sum(contract.owed_kwh for contract in snapshot.contracts)
     asked_kwh = sum(request.need_kwh for request in snapshot.requests)
-    dearest = float(np.abs(price_per_kwh).max())
     revenue = sum(request.revenue for request in snapshot.requests)
-    return float(np.ceil(1 + revenue + 2 * dearest * (owed_kwh + asked_kwh)))
+    return float(np.ceil(1 + revenue + tariff.most_apart(owed_kwh + asked_kwh)))
 
 
 def _beside_others(

@@ -3,6 +3,7 @@
 import numpy as np
 
 from evdash.domain.limits import Floats, LimitRows
+from evdash.domain.tariff import Tariff
 from evdash.scheduling.problem import Problem, Solution
 
 HAIR = 1e-6
@@ -48,8 +49,7 @@ def random_problem(
         low_kw=np.minimum(min_kw, owed_kw),
         high_kw=high,
         revenue=revenue,
-        price_per_kwh=price,
-        interval_hours=hours,
+        tariff=Tariff(price, hours),
         chargers=chargers,
         rows=LimitRows(
             elements=("line:a-b", "voltage_min:b") if limited else (),

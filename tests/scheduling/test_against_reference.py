@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.random_days import random_scenario
 from evdash.domain.limits import LimitRows
+from evdash.domain.tariff import Tariff
 from evdash.horizon.day import run_day, start_day
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast import solver
@@ -85,8 +86,7 @@ def one_vehicle(**changes) -> Problem:
         "low_kw": np.array([3.3]),
         "high_kw": np.array([11.0]),
         "revenue": np.array([4.2]),
-        "price_per_kwh": np.array([0.05, 0.1]),
-        "interval_hours": 1.0,
+        "tariff": Tariff(np.array([0.05, 0.1]), 1.0),
         "chargers": 1,
         "rows": LimitRows(("line:a-b",), np.ones((1, 1)), np.full((2, 1), 20.0)),
         "tail_kw": np.zeros((1, 2)),
@@ -107,7 +107,7 @@ def test_the_rest_of_a_charge_runs_at_the_lowest_power():
     [
         {"chargers": 0},
         {"rows": LimitRows(("line:a-b",), np.ones((1, 1)), np.zeros((2, 1)))},
-        {"price_per_kwh": np.array([0.5, 0.6])},
+        {"tariff": Tariff(np.array([0.5, 0.6]), 1.0)},
         {"intervals_left": np.array([0])},
         {"owed_kwh": np.array([13.0]), "low_kw": np.array([8.0])},
         {"owed_kwh": np.array([23.0])},
@@ -125,12 +125,12 @@ def test_who_cannot_be_served_or_would_cost_is_left_out(changes):
 @pytest.mark.parametrize(
     "changes",
     [
-        {"price_per_kwh": np.array([-0.1, -0.3])},
+        {"tariff": Tariff(np.array([-0.1, -0.3]), 1.0)},
         {"owed_kwh": np.array([0.02]), "low_kw": np.array([0.02]), "revenue": np.array([0.007])},
         {"owed_kwh": np.array([11.0])},
         {"owed_kwh": np.array([22.0])},
         {"rows": LimitRows((), np.empty((0, 1)), np.empty((2, 0)))},
-        {"interval_hours": 0.25, "owed_kwh": np.array([4.0])},
+        {"tariff": Tariff(np.array([0.05, 0.1]), 0.25), "owed_kwh": np.array([4.0])},
     ],
     ids=["paid to charge", "small need", "one whole slot", "no slack", "no limits", "quarters"],
 )

@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 from evdash.domain.limits import Floats, LimitRows
+from evdash.domain.tariff import Tariff
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.charges import charges_of
 from evdash.scheduling.fast.choices import Prices
@@ -39,8 +40,7 @@ def one_charge(rng: np.random.Generator) -> Problem:
         low_kw=np.array([min(owed, float(rng.choice([0.0, 1.0, 3.3])))]),
         high_kw=np.array([high]),
         revenue=np.ones(1),
-        price_per_kwh=np.ones(n_slots),
-        interval_hours=1.0,
+        tariff=Tariff(np.ones(n_slots), 1.0),
         chargers=1,
         rows=LimitRows((), np.empty((0, 1)), np.empty((n_slots, 0))),
         tail_kw=np.zeros((1, n_slots)),
@@ -183,7 +183,7 @@ def test_no_lp_prices_a_choice_of_contracts_too_high(seed):
             if point is not None:
                 prices.learn(point.values[at.u], point, point.reduced_cost[at.u])
         for _ in range(4):
-            u, _, p = integer_point(problem, rng, problem.price_per_kwh * problem.interval_hours)
+            u, _, p = integer_point(problem, rng, problem.tariff.cost_per_kw)
             cost = problem.objective(u > 0.5, p)
             bound = (prices.offset + prices.slope @ u).max(initial=-np.inf)
             assert bound <= cost + 1e-4

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from evdash.domain.limits import LimitRows
+from evdash.domain.tariff import Tariff
 from evdash.errors import SolverFailure
 from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
@@ -46,8 +47,7 @@ def test_contracts_that_cannot_be_kept_are_a_failure():
         low_kw=np.array([3.3]),
         high_kw=np.array([11.0]),
         revenue=np.zeros(1),
-        price_per_kwh=np.ones(2),
-        interval_hours=1.0,
+        tariff=Tariff(np.ones(2), 1.0),
         chargers=1,
         rows=LimitRows((), np.empty((0, 1)), np.empty((2, 0))),
         tail_kw=np.zeros((1, 2)),

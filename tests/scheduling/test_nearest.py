@@ -21,17 +21,17 @@ def problem(**changes):
 
 def test_the_wish_is_kept_where_it_can_be_however_dear():
     asked = problem(price=(0.9, 0.1, 0.1, 0.1), vehicles=[vehicle("a", need_kwh=12.0, option="C2")])
-    wished = nearest_schedule(asked, np.array([7.0]), asked.price_per_kwh, Effort())
+    wished = nearest_schedule(asked, np.array([7.0]), asked.tariff, Effort())
     assert wished[0, 0] == pytest.approx(7.0)
     assert wished.sum() == pytest.approx(12.0)
-    nothing = nearest_schedule(asked, np.array([0.0]), asked.price_per_kwh, Effort())
+    nothing = nearest_schedule(asked, np.array([0.0]), asked.tariff, Effort())
     assert nothing[0, 0] == 0.0
 
 
 def test_below_the_lowest_power_it_is_off_or_at_it():
     asked = problem(vehicles=[vehicle("a", need_kwh=12.0, option="C2")])
     for wish_kw, kept_kw in ((0.4, 0.0), (1.7, 2.0)):
-        found = nearest_schedule(asked, np.array([wish_kw]), asked.price_per_kwh, Effort())
+        found = nearest_schedule(asked, np.array([wish_kw]), asked.tariff, Effort())
         assert found[0, 0] == pytest.approx(kept_kw)
 
 
@@ -41,7 +41,7 @@ def test_none_where_not_all_can_be_served():
         price=(0.1,),
         vehicles=[vehicle(f"{n}", need_kwh=8.0) for n in range(2)],
     )
-    assert nearest_schedule(asked, np.zeros(2), asked.price_per_kwh, Effort()) is None
+    assert nearest_schedule(asked, np.zeros(2), asked.tariff, Effort()) is None
 
 
 def test_of_nobody_there_is_an_empty_schedule():
@@ -65,7 +65,7 @@ def test_whatever_is_wished_limits_and_promises_are_kept(wishes, chargers, ratin
         ],
     }
     asked = problem(**changes)
-    found = nearest_schedule(asked, np.array(wishes, dtype=float), asked.price_per_kwh, Effort())
+    found = nearest_schedule(asked, np.array(wishes, dtype=float), asked.tariff, Effort())
     if found is None:
         return
     assert found.sum(axis=1) == pytest.approx(asked.owed_kwh, abs=1e-6)

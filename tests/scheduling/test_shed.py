@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from evdash.domain.limits import LimitRows
+from evdash.domain.tariff import Tariff
 from evdash.scheduling.problem import Problem
 from evdash.scheduling.shed import shed
 from tests.scheduling.problems import HAIR, random_problem
@@ -30,8 +31,7 @@ def station(
         low_kw=np.full(n, 2.0),
         high_kw=np.full(n, 10.0),
         revenue=np.zeros(n),
-        price_per_kwh=np.full(slots, 0.1),
-        interval_hours=1.0,
+        tariff=Tariff(np.full(slots, 0.1), 1.0),
         chargers=chargers,
         rows=LimitRows(("line:s-a",), np.ones((1, 1)), np.reshape(headroom_kw, (-1, 1))),
         tail_kw=tail,

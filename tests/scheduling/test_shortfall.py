@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from evdash.domain.limits import LimitRows
+from evdash.domain.tariff import Tariff
 from evdash.errors import SolverFailure
 from evdash.scheduling.problem import Problem
 from evdash.scheduling.shortfall import Recourse, least_shortfall, most_energy_for, step_effort
@@ -83,8 +84,7 @@ def one_charger_for_two(slots: int, second_stays: int, dearer: float, *, turned:
         low_kw=np.full(2, 1.4),
         high_kw=np.full(2, 10.0),
         revenue=np.array([10.0 * slots, dearer * 10.0 * (second_stays + 1)])[order],
-        price_per_kwh=np.full(slots, 0.1),
-        interval_hours=1.0,
+        tariff=Tariff(np.full(slots, 0.1), 1.0),
         chargers=1,
         rows=LimitRows((), np.empty((0, 1)), np.empty((slots, 0))),
         tail_kw=np.zeros((2, slots)),

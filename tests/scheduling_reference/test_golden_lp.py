@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from evdash.domain.limits import LimitRows
+from evdash.domain.tariff import Tariff
 from evdash.scheduling import equations
 from evdash.scheduling.equations import Equation, build
 from evdash.scheduling.problem import Problem
@@ -29,8 +30,7 @@ PROBLEM = Problem(
     low_kw=np.array([3.0, 3.5]),
     high_kw=np.array([12.0, 7.0]),
     revenue=np.array([0.0, 3.6]),
-    price_per_kwh=np.array([0.25, -0.5]),
-    interval_hours=0.5,
+    tariff=Tariff(np.array([0.25, -0.5]), 0.5),
     chargers=1,
     rows=LimitRows(("line:s-a",), np.array([[2.0]]), np.array([[15.0], [20.0]])),
     tail_kw=np.array([[12.0, 0.0], [0.0, 0.0]]),

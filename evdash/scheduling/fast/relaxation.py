@@ -52,24 +52,20 @@ def relaxation_of(
     charger_count(rows, at, problem, charger_slots)
     energy_by_deadlines(rows, at, charges, problem, headroom_kw)
     slots_by_deadlines(rows, at, charges, problem, charger_slots)
+    program, shared = program_of(problem, charges, at, rows), slice(own, rows.count)
+    return Relaxation(problem, charges, headroom_kw, charger_slots, at, program, shared)
+
+
+def program_of(problem: Problem, charges: Charges, at: Columns, rows: Rows) -> LinearProgram:
+    """The rows with the objective of (P1), (5a) and the powers of (6b) as bounds."""
     cost, lower, upper = np.zeros(at.total), np.zeros(at.total), np.ones(at.total)
-    cost[: at.n_pairs] = problem.price_per_kwh[at.slot] * problem.interval_hours
+    cost[: at.n_pairs] = problem.tariff.cost_per_kw[at.slot]
     cost[at.u] = -problem.revenue
     upper[: at.n_pairs] = charges.top_kw[at.vehicle]
     contract = np.arange(problem.n_vehicles) < problem.n_contracts
     lower[at.u] = contract
     upper[at.u] = contract | charges.servable
-    row_lower, row_upper = rows.limits()
-    program = LinearProgram(
-        cost=cost,
-        matrix=rows.matrix(at.total),
-        row_lower=row_lower,
-        row_upper=row_upper,
-        lower=lower,
-        upper=upper,
-    )
-    shared = slice(own, rows.count)
-    return Relaxation(problem, charges, headroom_kw, charger_slots, at, program, shared)
+    return LinearProgram(cost, rows.matrix(at.total), *rows.limits(), lower, upper)
 
 
 def energy_owed(rows: Rows, at: Columns, charges: Charges) -> None:
