@@ -1,13 +1,15 @@
 """Figures that stand alone: Plotly's own script, a look for light and for dark, notebooks."""
 
-from typing import Any
+from typing import Any, TypeAlias
 
-from plotly.graph_objects import Figure as PlotlyFigure
+from plotly import graph_objects
 from plotly.offline import get_plotlyjs
 
 from evdash.charts.style import CLEAR, Figure, now_label, now_shapes
 from evdash.domain.outlook import Outlook
 
+PlotlyFigure: TypeAlias = graph_objects.Figure
+"""A figure as Plotly itself knows it."""
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 INK = {"light": "#1f2430", "dark": "#e8eaf0"}
 LAST_TICK_PX = 28

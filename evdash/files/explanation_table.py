@@ -24,20 +24,22 @@ class DayExplained:
 def explanation_files(day: DayExplained) -> Mapping[str, str]:
     """The tables by name of file."""
     return {
-        "explanations.csv": table_text(ExplanationRow, (_refusal(r) for r in day.refusals)),
-        "worths.csv": table_text(WorthRow, (_worth(worth) for worth in day.worths)),
-        "binding.csv": table_text(BindingRow, _bindings(day.bindings)),
-        "revisions.csv": table_text(RevisionRow, (_revision(r) for r in day.revisions)),
+        "explanations.csv": table_text(ExplanationRow, map(refusal_row, day.refusals)),
+        "worths.csv": table_text(WorthRow, map(worth_row, day.worths)),
+        "binding.csv": table_text(BindingRow, binding_rows(day.bindings)),
+        "revisions.csv": table_text(RevisionRow, map(revision_row, day.revisions)),
     }
 
 
-def _refusal(told: Explanation) -> ExplanationRow:
+def refusal_row(told: Explanation) -> ExplanationRow:
+    """A row of `explanations.csv`."""
     return ExplanationRow.model_construct(
         vehicle=told.vehicle, cause=told.cause.kind, detail=told.detail, remedy=told.remedy
     )
 
 
-def _worth(worth: Worth) -> WorthRow:
+def worth_row(worth: Worth) -> WorthRow:
+    """A row of `worths.csv`."""
     return WorthRow.model_construct(
         change=worth.what,
         profit=worth.profit,
@@ -46,7 +48,8 @@ def _worth(worth: Worth) -> WorthRow:
     )
 
 
-def _bindings(bindings: Iterable[Binding]) -> Iterable[BindingRow]:
+def binding_rows(bindings: Iterable[Binding]) -> Iterable[BindingRow]:
+    """`binding.csv`: each element in every interval in which it is tightest or reached."""
     for binding in bindings:
         for interval in sorted({*binding.tightest, *binding.reached}):
             yield BindingRow.model_construct(
@@ -57,7 +60,8 @@ def _bindings(bindings: Iterable[Binding]) -> Iterable[BindingRow]:
             )
 
 
-def _revision(revision: Revision) -> RevisionRow:
+def revision_row(revision: Revision) -> RevisionRow:
+    """A row of `revisions.csv`."""
     return RevisionRow.model_construct(
         interval=revision.interval,
         moved_kwh=revision.moved_kwh,

@@ -1,7 +1,7 @@
 """A study file read and checked as a whole: every fault is told before anything is run."""
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
 
@@ -51,6 +51,11 @@ def parse_study(text: str, name: str = "study") -> Study:
         raw = read_toml(text)
     except ValueError as error:
         raise InputError([Fault(name, f"text that is not TOML ({error})", "TOML")]) from error
+    return study_of(raw)
+
+
+def study_of(raw: Mapping[str, object]) -> Study:
+    """The study that these keys declare, its fields each by itself; raises InputError."""
     try:
         return Study.model_validate(raw)
     except ValidationError as error:

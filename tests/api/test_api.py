@@ -1,0 +1,189 @@
+"""The library: its examples hold, its tables are the files', and what is wrong is told at once."""
+
+import doctest
+import importlib
+import inspect
+import io
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import evdash
+from evdash.domain.plan import Plan, Snapshot
+from evdash.files.explanation_rows import EXPLANATION_TABLES
+from evdash.files.run_tables import RUN_TABLES
+from evdash.scheduling.p1 import p1_policy
+
+FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
+MODULES = sorted({getattr(evdash, name).__module__ for name in evdash.__all__})
+
+
+@pytest.fixture(scope="module")
+def day() -> evdash.Day:
+    return evdash.load("summer-weekday").run()
+
+
+@pytest.mark.parametrize("module", [name for name in MODULES if name.startswith("evdash.api")])
+def test_every_example_gives_what_it_says(module: str) -> None:
+    found = doctest.testmod(importlib.import_module(module), optionflags=FLAGS)
+    assert found.failed == 0
+    assert found.attempted > 0
+
+
+def public() -> list[tuple[str, object]]:
+    """Everything the library offers: its functions and classes, and what those offer."""
+    told = []
+    for name in evdash.__all__:
+        thing = getattr(evdash, name)
+        told.append((name, thing))
+        if inspect.isclass(thing) and thing.__module__.startswith("evdash.api"):
+            own = {key: value for key, value in vars(thing).items() if not key.startswith("_")}
+            told += [(f"{name}.{key}", value) for key, value in own.items()]
+    return [(name, thing) for name, thing in told if callable(thing)]
+
+
+@pytest.mark.parametrize(
+    ("name", "thing"), public(), ids=lambda one: one if isinstance(one, str) else ""
+)
+def test_docstrings_name_every_parameter(name: str, thing: object) -> None:
+    doc = inspect.getdoc(thing) or ""
+    if inspect.isclass(thing):
+        assert doc
+        return
+    parameters = [key for key in inspect.signature(thing).parameters if key != "self"]
+    for parameter in parameters:
+        assert f"{parameter} : " in doc or f"{parameter}, " in doc or f", {parameter}" in doc
+    assert not parameters or "Raises" in doc
+
+
+def test_tables_are_those_of_the_files_to_the_last_digit(day: evdash.Day, tmp_path) -> None:
+    day.save(tmp_path / "run")
+    for name, record in RUN_TABLES.items():
+        table = getattr(day, name.removesuffix(".csv"))
+        assert list(table.columns) == list(record.model_fields)
+        text = table.assign(
+            **{
+                column: table[column].dt.strftime("%Y-%m-%dT%H:%M")
+                for column in table.select_dtypes("datetime")
+            }
+        ).to_csv(index=False, lineterminator="\n")
+        assert same(text, (tmp_path / "run" / name).read_text(encoding="utf-8")), name
+    with pytest.raises(evdash.InputError, match="force"):
+        day.save(tmp_path / "run")
+
+
+def same(one: str, other: str) -> bool:
+    """Whether two CSV tables hold the same, cell by cell, whichever way a float is written."""
+    cells = [pd.read_csv(io.StringIO(text), dtype=str, na_filter=False) for text in (one, other)]
+    return all(
+        a == b or float(a) == float(b)
+        for a, b in zip(cells[0].to_numpy().flat, cells[1].to_numpy().flat, strict=True)
+    )
+
+
+def test_columns_have_units_and_times_are_times(day: evdash.Day) -> None:
+    assert day.intervals.attrs["units"]["price_per_kwh"] == "$/kWh"
+    assert day.intervals.start.dtype == "datetime64[s]"
+    assert day.vehicles.completed_interval.dtype == "Int64"
+    assert day.voltages.voltage_ac_pu.dtype == float
+
+
+def test_a_day_explains_itself(day: evdash.Day) -> None:
+    small = evdash.load("summer-weekday", {"arrivals.vehicles_per_day": 20}).run()
+    refused = small.vehicles.query("status == 'refused'").vehicle
+    assert small.explanations.vehicle.tolist() == refused.tolist()
+    for name in ("binding", "revisions", "worths"):
+        assert list(getattr(small, name)) == list(EXPLANATION_TABLES[f"{name}.csv"].model_fields)
+    with pytest.raises(evdash.InputError, match="refused"):
+        day.explain("nobody")
+
+
+@pytest.mark.parametrize(
+    "kind", ["schedule", "admissions", "load", "headroom", "voltages", "gap", "feeder", "hot_spot"]
+)
+def test_a_day_is_drawn(day: evdash.Day, kind: str) -> None:
+    assert day.plot(kind).data
+
+
+def test_a_report_is_a_page_or_a_workbook(day: evdash.Day, tmp_path) -> None:
+    for name, begin in (("day.html", b"<!DOCTYPE html>"), ("day.xlsx", b"PK")):
+        day.report(tmp_path / name)
+        assert (tmp_path / name).read_bytes().lower().startswith(begin.lower())
+    with pytest.raises(evdash.InputError, match=r"\.xlsx"):
+        day.report(tmp_path / "day.pdf")
+
+
+def test_a_policy_of_ones_own_is_certified_like_ours() -> None:
+    ours = p1_policy()
+
+    def twice_the_power(snapshot: Snapshot) -> Plan:
+        plan = ours(snapshot)
+        return replace(plan, power_kw=2 * plan.power_kw)
+
+    scenario = evdash.load("summer-weekday")
+    same_day = scenario.run(ours)
+    assert same_day.vehicles.equals(scenario.run().vehicles)
+    refused = scenario.run(twice_the_power)
+    assert refused.label.policy == "twice_the_power"
+    assert refused.is_sound
+    assert set(refused.intervals.query("admitted + refused > 0").status) == {"fallback"}
+
+
+def test_a_race_is_drawn_and_told() -> None:
+    race = evdash.load("summer-weekday").race(["oracle", "p1", "bid-price"])
+    assert race.most_profit is not None
+    assert race.most_profit >= race.figures.profit.max() - 1e-6
+    assert set(race.intervals.policy) == set(race.refusals.policy) == set(race.figures.index)
+    assert race.sentences[0].startswith("Knowing in advance")
+    for kind in ("profit", "load", "capacity price"):
+        assert race.plot(kind).data
+
+
+def test_a_study_is_kept_resumed_and_drawn(tmp_path) -> None:
+    scenario = evdash.load("summer-weekday", {"arrivals.vehicles_per_day": 20})
+    axes = {"station.chargers": [1, 3], "option.C1.price_per_kwh": [0.3, 0.4]}
+    kept = scenario.study(axes, days=2, folder=tmp_path / "study", workers=1)
+    again = scenario.study(axes, days=2, folder=tmp_path / "study", workers=1)
+    pd.testing.assert_frame_equal(kept.runs, again.runs)
+    read = pd.read_csv(tmp_path / "study" / "summary.csv", float_precision="round_trip")
+    assert np.array_equal(read.p50, kept.summary.p50)
+    assert len(kept.runs) == 8
+    assert kept.plot("profit").data[0].type == "heatmap"
+    assert kept.plot("profit", paired=True).data
+    from_file = evdash.study(tmp_path / "study" / "study.toml", workers=1)
+    pd.testing.assert_frame_equal(from_file.runs, kept.runs)
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: evdash.load("nowhere"), "nowhere"),
+        (lambda: evdash.load(settings={"station.colour": 1}), "colour"),
+        (lambda: evdash.load().run("p2"), "'p2'"),
+        (lambda: evdash.load().run(network="dc"), "'dc'"),
+        (lambda: evdash.load().race(["p1", "p2"]), "'p2'"),
+        (lambda: evdash.load().study({"station.chargers": [-1]}), "-1"),
+        (lambda: evdash.load().study({}, days=0), "seeds"),
+        (lambda: evdash.load().study({}, metrics=["beauty"]), "beauty"),
+        (lambda: evdash.study("nowhere"), "nowhere"),
+        (lambda: evdash.compare({}), "two"),
+        (lambda: evdash.load().run().plot("pie"), "'pie'"),
+    ],
+)
+def test_what_is_wrong_is_told_before_anything_is_run(call, told: str) -> None:
+    with pytest.raises(evdash.InputError, match=told):
+        call()
+
+
+def test_the_bare_package_is_light() -> None:
+    script = "import sys, evdash; print(evdash.__version__, 'pandas' in sys.modules)"
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, capture_output=True, check=True, text=True)
+    assert done.stdout.strip() == f"{evdash.__version__} False"
+    assert set(evdash.__all__) <= set(dir(evdash))
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = evdash.nothing  # type: ignore[attr-defined]
