@@ -23,6 +23,7 @@ from evdash.charts.style import (
     value_axis,
 )
 from evdash.domain.trace import Network
+from evdash.domain.words import money
 from evdash.metrics.verdict import FULL_AC, LINEARISED
 from evdash.policies.race import Lap, Race
 from evdash.policies.race_words import most_is_over_in_ac
@@ -126,7 +127,7 @@ def _name(race: Race, lap: Lap) -> str:
 def profit_told(lap: Lap) -> str:
     """Profit, and its share of the proven most where it is one."""
     share, profit = lap.service.profit_of_best, lap.service.profit
-    told = f"{'−' if profit < 0 else ''}${abs(profit):,.2f}"
+    told = money(profit)
     return told if share is None or not lap.keeps_limits else f"{told}, {100 * share:.1f} %"
 
 
@@ -152,7 +153,7 @@ def _most_line(race: Race, most: float) -> dict[str, Any]:
 def _most_told(race: Race, most: float) -> str:
     beyond = ", over limits in AC" if race.network != FULL_AC and most_is_over_in_ac(race) else ""
     kept = "AC" if race.network == FULL_AC else "linearised"
-    return f"most within {kept} limits{beyond}: ${most:,.2f}"
+    return f"most within {kept} limits{beyond}: {money(most)}"
 
 
 def profit_alt(race: Race) -> str:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
-from evdash.domain.words import element_name
+from evdash.domain.words import element_name, money
 
 RefusalKind = Literal[
     "after the end",
@@ -125,12 +125,8 @@ def _too_late(reason: RefusalReason) -> str:
     )
 
 
-def _usd(amount: float) -> str:
-    return f"{'−' if round(amount, 2) < 0 else ''}${abs(amount):,.2f}"
-
-
 def _costs(reason: RefusalReason) -> str:
-    return f"at least {_usd(reason.cost)}, and it pays {_usd(reason.pays)}"
+    return f"at least {money(reason.cost)}, and it pays {money(reason.pays)}"
 
 
 def _energy(reason: RefusalReason) -> str:
@@ -146,7 +142,7 @@ def _outbid(reason: RefusalReason) -> str:
 
 
 def _kept(reason: RefusalReason) -> str:
-    told = f"admitting it is expected to lose {_usd(reason.loss)} more than it pays"
+    told = f"admitting it is expected to lose {money(reason.loss)} more than it pays"
     return f"{told}, room being worth most at {reason.where}" if reason.where else told
 
 

@@ -69,3 +69,13 @@ def depth_words(depth: float, unit: str) -> str:
 def counted(number: int, one: str, many: str | None = None) -> str:
     """A number with its noun, `1 limit`, `1,203 limits`."""
     return f"{number:,} {one if number == 1 else many or one + 's'}"
+
+
+def money(usd: float) -> str:
+    """An amount to the cent, `$1,234.50`, `−$0.35`; without a sign where it rounds to none."""
+    return f"{'−' if round(usd, 2) < 0 else ''}${abs(usd):,.2f}"
+
+
+def some_money(usd: float) -> str:
+    """An amount that is not told as none unless it is: `$1.20`, `less than a cent`."""
+    return "less than a cent" if 0 < abs(usd) < 0.005 else money(usd)

@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 
 from evdash.domain.refusal import RefusalKind
 from evdash.domain.vehicles import Request
-from evdash.domain.words import element_words
+from evdash.domain.words import element_words, some_money
 from evdash.explain.causes import Cause
 from evdash.explain.trials import Trials
-from evdash.explain.words import clock_of, counted, listed, money
+from evdash.explain.words import clock_of, counted, listed
 
 NAMED = 5
 
@@ -62,9 +62,9 @@ def _price(trials: Trials, cause: Cause) -> str:
     }[reason.kind]
     cheapest = float(trials.snapshot.price_per_kwh[: trials.window].min())
     told = (
-        f"{station} its {request.need_kwh:.1f} kWh would add at least {money(reason.cost)} "
+        f"{station} its {request.need_kwh:.1f} kWh would add at least {some_money(reason.cost)} "
         f"({reason.cost / request.need_kwh:.4g} $/kWh) before its return at {_return(trials)}, "
-        f"and it pays {money(request.revenue)} ({request.price_per_kwh:g} $/kWh)"
+        f"and it pays {some_money(request.revenue)} ({request.price_per_kwh:g} $/kWh)"
     )
     if cheapest >= request.price_per_kwh:
         return f"{told}; even its cheapest hour costs {cheapest:.4g} $/kWh"
@@ -80,8 +80,8 @@ def _displaced(trials: Trials, cause: Cause) -> str:
     if cause.loss is None:
         return told
     return (
-        f"{told}; admitting it (it pays {money(trials.request.revenue)}) would have lowered the "
-        f"profit by {money(max(0.0, cause.loss))}"
+        f"{told}; admitting it (it pays {some_money(trials.request.revenue)}) would have lowered "
+        f"the profit by {some_money(max(0.0, cause.loss))}"
     )
 
 
@@ -139,7 +139,7 @@ def _return(trials: Trials) -> str:
 
 
 def _named(requests: tuple[Request, ...]) -> str:
-    told = [f"{r.vehicle} ({money(r.revenue)})" for r in requests[:NAMED]]
+    told = [f"{r.vehicle} ({some_money(r.revenue)})" for r in requests[:NAMED]]
     more = len(requests) - len(told)
     return listed([*told, f"{more} more"] if more else told)
 

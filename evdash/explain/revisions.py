@@ -8,7 +8,8 @@ import numpy as np
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Policy
 from evdash.domain.trace import Happening, Step, Trace
-from evdash.explain.words import Clock, counted, listed, money
+from evdash.domain.words import some_money
+from evdash.explain.words import Clock, counted, listed
 from evdash.horizon.advance import snapshot_of
 from evdash.scheduling.p1 import p1_plans
 
@@ -193,7 +194,7 @@ def _told(step: Step, revision: Revision) -> str:
     paid = (
         "at the same energy cost"
         if abs(cost) < A_CENT / 2
-        else f"for {money(abs(cost))} {'more' if cost > 0 else 'less'} in energy"
+        else f"for {some_money(abs(cost))} {'more' if cost > 0 else 'less'} in energy"
     )
     return (
         f"At {clock.at(step.interval)} {who} moved "

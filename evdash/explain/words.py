@@ -75,13 +75,6 @@ def listed(items: Sequence[str], joint: str = "and") -> str:
     return f"{', '.join(items[:-1])} {joint} {items[-1]}"
 
 
-def money(usd: float) -> str:
-    """`$1.20`, `-$0.35`; less than a cent is told as such."""
-    if 0 < abs(usd) < 0.005:
-        return "less than a cent"
-    return f"{'-' if usd < 0 else ''}${abs(usd):,.2f}"
-
-
 def cents(usd: float) -> str:
     """`12.3 ¢`, with as many digits as matter."""
     return f"{usd * CENTS:.4g} ¢"

@@ -8,9 +8,9 @@ from evdash.domain.events import Event
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Line, Node, Scenario
 from evdash.domain.trace import Inputs, Trace
-from evdash.domain.words import element_words
+from evdash.domain.words import element_words, some_money
 from evdash.explain.binding import binding_elements
-from evdash.explain.words import counted, money
+from evdash.explain.words import counted
 from evdash.horizon.day import begin, run_day
 from evdash.horizon.networks import NETWORKS
 from evdash.horizon.requests import requests_by_interval
@@ -44,7 +44,7 @@ class Worth:
         more = "more" if self.admitted >= 0 else "fewer"
         earned = "earned" if self.profit >= 0 else "lost"
         return (
-            f"{self.what} would have {earned} {money(abs(self.profit))} on this day, with "
+            f"{self.what} would have {earned} {some_money(abs(self.profit))} on this day, with "
             f"{vehicles} {more} admitted."
         )
 

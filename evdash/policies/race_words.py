@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from evdash.domain.trace import Network
-from evdash.domain.words import element_name
+from evdash.domain.words import element_name, money
 from evdash.metrics.declared import figures_of
 from evdash.metrics.service import Service
 from evdash.metrics.verdict import FULL_AC, LINEARISED
@@ -51,10 +51,10 @@ def _foresight(race: Race) -> str:
         return ""
     beyond = race.network != FULL_AC and most_is_over_in_ac(race)
     return (
-        f"Knowing in advance who will come is worth {usd(worth)} on this day: at most {usd(most)} "
-        f"could have been earned within the limits {LIMITS_OF[race.network]}"
+        f"Knowing in advance who will come is worth {money(worth)} on this day: at most "
+        f"{money(most)} could have been earned within the limits {LIMITS_OF[race.network]}"
         f"{' (by AC power flow such a day exceeds limits)' if beyond else ''}, and the paper's "
-        f"rule earned {usd(papers.service.profit)}, {_per_cent(papers.service.profit_of_best)} % "
+        f"rule earned {money(papers.service.profit)}, {_per_cent(papers.service.profit_of_best)} % "
         "of it."
     )
 
@@ -74,7 +74,7 @@ def _anticipation(race: Race) -> str:
     share = f", {100 * more / worth:.0f} % of what foresight is worth" if worth and more > 0 else ""
     return (
         f"bid-price, which knows the statistics of arrivals and not who will come, earned "
-        f"{usd(abs(more))} {side} than the paper's rule{share}."
+        f"{money(abs(more))} {side} than the paper's rule{share}."
     )
 
 
@@ -87,7 +87,7 @@ def _best_rule(race: Race) -> str:
     less = papers.service.profit - best.service.profit
     side = "less" if less >= 0 else "more"
     return (
-        f"The best rule of precedence, {best.title.lower()}, earned {usd(abs(less))} {side} than "
+        f"The best rule of precedence, {best.title.lower()}, earned {money(abs(less))} {side} than "
         "the paper's rule."
     )
 
@@ -136,11 +136,6 @@ def _unsound(race: Race) -> str:
         f"What was to keep every promise, and every limit {MODEL[race.network]}, did not: "
         f"{', '.join(broken)}."
     )
-
-
-def usd(value: float) -> str:
-    """Money in $, to the cent."""
-    return f"{'−' if round(value, 2) < 0 else ''}${abs(value):,.2f}"
 
 
 def _per_cent(share: float | None) -> str:

@@ -9,10 +9,11 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from evdash.charts.standalone import plotly_script, templates
+from evdash.domain.words import money
 from evdash.reports.account import Account
 from evdash.reports.charts import Chart
 from evdash.reports.sections import sections
-from evdash.reports.words import limit_lines, money, period, promises_line
+from evdash.reports.words import limit_lines, period, promises_line
 
 HERE = Path(__file__).parent / "page"
 MINUS = "\u2212"

@@ -30,11 +30,6 @@ CAUSES = {
 }
 
 
-def money(usd: float) -> str:
-    """`$1,234.50`, `−$0.35`."""
-    return f"{'−' if round(usd, 2) < 0 else ''}${abs(usd):,.2f}"
-
-
 def period(scenario: Scenario) -> str:
     """From when to when the day goes, and in which steps."""
     end = scenario.time_of(scenario.intervals)

@@ -11,13 +11,14 @@ import numpy as np
 
 from evdash.domain.events import Event
 from evdash.domain.scenario import GeneratedArrivals
+from evdash.domain.words import money
 from evdash.explain.words import Clock
 from evdash.horizon.day import run_day
 from evdash.metrics.totals import Totals, totals
 from evdash.ui import run as runs
 from evdash.ui.run import Run
 from evdash.ui.solving import policy
-from evdash.ui.words import counted, money, plain
+from evdash.ui.words import counted, plain
 
 FEWER_CHARGERS = 2
 FAILURE_HOUR = 18
@@ -149,7 +150,7 @@ FIGURES: dict[str, Callable[[Totals], str]] = {
     "Broken promises": lambda day: f"{day.broken:,}",
     "Delivered": lambda day: f"{day.energy_delivered_kwh:,.0f} kWh",
     "Highest station load": lambda day: f"{day.peak_station_kw:,.0f} kW",
-    "Revenue": lambda day: money(day.revenue).replace("\\", ""),
-    "Energy cost": lambda day: money(day.energy_cost).replace("\\", ""),
-    "Profit": lambda day: money(day.profit).replace("\\", ""),
+    "Revenue": lambda day: money(day.revenue),
+    "Energy cost": lambda day: money(day.energy_cost),
+    "Profit": lambda day: money(day.profit),
 }

@@ -41,7 +41,7 @@ def file_stem(name: str) -> str:
 
 def money(usd: float) -> str:
     """An amount, `$1,234.50`; the dollar sign escaped, or Markdown would set a formula."""
-    return f"{'−' if round(usd, 2) < 0 else ''}\\${abs(usd):,.2f}"
+    return words.money(usd).replace("$", "\\$")
 
 
 def clock(moment: datetime, outlook: Outlook) -> str:

@@ -1,6 +1,7 @@
-"""Money is made in one place: what energy costs in `Tariff`, what a driver pays in `Request`."""
+"""Money is made in one place, energy's in `Tariff`, a driver's in `Request`, and told in one."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from evdash.domain.tariff import Tariff
+from evdash.domain.words import money, some_money
 from evdash.horizon.day import start_day
 from tests.builders import make_scenario, vehicle
 
@@ -151,3 +153,14 @@ def test_a_driver_pays_for_energy_at_the_price_of_the_option():
     assert asked.revenue == asked.pays(asked.need_kwh) == pytest.approx(8.0)
     assert asked.with_bonus(3.0).revenue == pytest.approx(11.0)
     assert asked.paying_more(0.1).pays(5.0) == pytest.approx(2.5)
+
+
+def test_amounts_have_two_digits_and_one_sign():
+    told = [money(usd) for usd in (1234.5, -0.35, -0.004, 0.0)]
+    assert told == ["$1,234.50", "−$0.35", "$0.00", "$0.00"]
+    assert [some_money(usd) for usd in (0.0, 0.004, 1.2)] == ["$0.00", "less than a cent", "$1.20"]
+
+
+def test_amounts_are_put_in_words_in_one_place():
+    amount = re.compile(r"\$\{[^{}]*\.2f\}")
+    assert {path for path, text in sources() if amount.search(text)} == {"domain/words.py"}

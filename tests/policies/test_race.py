@@ -5,6 +5,7 @@ import csv
 import pytest
 from hypothesis import HealthCheck, given, settings
 
+from evdash.domain.words import money
 from evdash.errors import InputError
 from evdash.files.exchange import output_folder
 from evdash.files.race_folder import is_race, policies_table, read_race, write_race
@@ -13,7 +14,7 @@ from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
 from evdash.metrics.totals import totals
 from evdash.policies.race import CONTESTANTS, race
-from evdash.policies.race_words import race_sentences, race_table, usd
+from evdash.policies.race_words import race_sentences, race_table
 from evdash.policies.registry import RULES
 from tests.builders import generator, line, make_scenario, scenarios, vehicle
 
@@ -64,7 +65,7 @@ def test_what_foresight_is_worth(raced):
     told = race_sentences(raced)
     assert "worth $20.00 on this day" in told[0]
     assert "16.7 % of it" in told[0]
-    assert usd(-1.5) == "−$1.50"
+    assert money(-1.5) == "−$1.50"
 
 
 def test_only_who_keeps_no_limits_breaks_any(raced):

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from evdash.domain.words import money
+
 MOST_TERMS = 4
 """Of as many as fit a card on a laptop, three columns beside each other."""
 
@@ -36,4 +38,4 @@ def lines(*formulas: str) -> str:
 
 def usd(value: float) -> str:
     """An amount of money."""
-    return rf"{'-' if round(value, 2) < 0 else ''}\${number(abs(value), 2)}"
+    return money(value).replace("−", "-").replace("$", r"\$").replace(",", r"\,")
