@@ -76,7 +76,7 @@ A result is kept under a digest of its scenario, seed, policy, network model, an
 packages that made it. So the same command goes on with what is left after Ctrl-C, a kill or a
 power cut, runs only what is new when the study has more seeds or values, and takes nothing that
 other code made. A run that fails is kept with its reason and ends nothing; `--retry` tries failed
-ones again.
+ones again. Policies of one's own are given by `--policies` each time, in place of the file's.
 Where a worker process dies, the runs it may have been at are done one by one, and the one it
 dies of is recorded. The tables are the same to the last digit whatever the number of workers and
 the order in which they came: a run has one thread, and the solver's limits are counts of

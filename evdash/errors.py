@@ -71,6 +71,10 @@ class SolverFailure(EvdashError):
     """The optimiser ended without a usable plan; the message carries its own words."""
 
 
+class PolicyFault(SolverFailure):
+    """A policy from outside gave no plan that can be read; the message says what it did instead."""
+
+
 class PowerFlowDiverged(EvdashError):
     """The AC power flow found no solution."""
 

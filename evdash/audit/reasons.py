@@ -15,6 +15,7 @@ from evdash.audit.moments import Moment, Owed
 from evdash.audit.objective import SOLVES_P1
 from evdash.audit.record import RunRecord, kind_of
 from evdash.domain.limits import Floats
+from evdash.domain.plan import is_outside
 from evdash.domain.refusal import CLAUSES, RefusalKind, RefusalReason
 from evdash.files.run_tables import VehicleRow
 
@@ -23,7 +24,9 @@ DOORS: frozenset[str] = frozenset(
 )
 ALWAYS: frozenset[str] = DOORS | {"promises short", "fallback"}
 RULES: frozenset[str] = frozenset(("feeder", "rule"))
-BY_P1: frozenset[str] = frozenset(CLAUSES) - {"rule", "best day", "kept for others", "as told"}
+FROM_OUTSIDE: frozenset[str] = frozenset(("feeder", "policy"))
+NEVER_P1S = {"rule", "best day", "kept for others", "policy", "as told"}
+BY_P1: frozenset[str] = frozenset(CLAUSES) - NEVER_P1S
 KINDS: dict[str, frozenset[str]] = {
     "bid-price": BY_P1 | {"kept for others"},
     "oracle": frozenset(("best day",)),
@@ -47,7 +50,7 @@ def reason_findings(run: RunRecord, day: tuple[Moment, ...]) -> Iterator[str]:
             continue  # told by the audit of contracts
         if (row.status == "refused") != bool(row.reason):
             yield f"{row.vehicle}: {row.status}, reason is {row.reason!r}"
-        elif row.reason and kind not in KINDS.get(policy, frozenset(CLAUSES)) | ALWAYS:
+        elif row.reason and kind not in _kinds(policy) | ALWAYS:
             yield f"{row.vehicle}: {row.reason!r} is no reason that the policy {policy} gives"
         elif (kind if kind in DOORS else "") != asked.door:
             yield f"{row.vehicle}: reason is {row.reason!r}, worked out again {asked.door!r}"
@@ -62,6 +65,11 @@ def reason_findings(run: RunRecord, day: tuple[Moment, ...]) -> Iterator[str]:
             if one.vehicle not in moment.admitted:
                 fallback = decided.get(moment.interval) == "fallback"
                 yield from _refused(run, moment, one, rows[one.vehicle], fallback=fallback)
+
+
+def _kinds(policy: str) -> frozenset[str]:
+    """The kinds of reason a policy gives; any for one there is not."""
+    return KINDS.get(policy, FROM_OUTSIDE if is_outside(policy) else frozenset(CLAUSES))
 
 
 def _door_reason(run: RunRecord, asked: Asked) -> RefusalReason:

@@ -27,7 +27,6 @@ from evdash.domain.words import money
 from evdash.metrics.verdict import FULL_AC, LINEARISED
 from evdash.policies.race import Lap, Race
 from evdash.policies.race_words import most_is_over_in_ac
-from evdash.policies.registry import RULES
 
 LOOKS = {
     "oracle": (GREEN, "dash"),
@@ -39,7 +38,9 @@ LOOKS = {
     "fcfs": (YELLOW, "dashdot"),
     "uncoordinated": (VERMILLION, "dot"),
 }
-"""Colour and dash of each policy, the same in every picture."""
+"""Colour and dash of each policy of ours, the same in every picture."""
+FROM_OUTSIDE = ((OUTLINE, "longdash"), (GREEN, "longdash"), (PURPLE, "longdash"))
+"""Those of policies from outside, in turn."""
 ROW_PX, BARS_PX, LINES_PX, PRICE_PX = 40, 130, 380, 300
 BREAKS: Mapping[Network | None, str] = {
     LINEARISED: "breaks limits",
@@ -64,7 +65,7 @@ def profit_figure(race: Race) -> Figure:
         "text": [safe(profit_told(lap)) for lap in laps],
         "textposition": "none",
         "marker": {
-            "color": [LOOKS[lap.policy][0] for lap in laps],
+            "color": [_look(race, lap.policy)[0] for lap in laps],
             "pattern": {
                 "shape": ["/" if exceeding(race, lap) == race.network else "" for lap in laps],
                 "bgcolor": CLEAR,
@@ -85,6 +86,14 @@ def profit_figure(race: Race) -> Figure:
         shapes=[] if most is None else [_line_at(most)],
         annotations=[*_profits_told(race, laps), *told],
     )
+
+
+def _look(race: Race, policy: str) -> tuple[str, str]:
+    """Colour and dash of a policy that raced."""
+    others = [lap.policy for lap in race.laps if lap.policy not in LOOKS]
+    if policy not in others:
+        return LOOKS[policy]
+    return FROM_OUTSIDE[others.index(policy) % len(FROM_OUTSIDE)]
 
 
 def _profits_told(race: Race, laps: Sequence[Lap]) -> list[dict[str, Any]]:
@@ -172,7 +181,7 @@ def load_figure(race: Race, policies: Sequence[str]) -> Figure:
     room = _steps(times, race.headroom_kw, "Headroom", OUTLINE, "solid")
     room |= {"fill": "tozeroy", "fillcolor": "rgba(128,128,128,0.12)"}
     lines = [
-        _steps(times, lap.station_kw, RULES[name].title, *LOOKS[name])
+        _steps(times, lap.station_kw, lap.title, *_look(race, name))
         for name in policies
         for lap in [race.lap(name)]
         if lap is not None
@@ -216,7 +225,7 @@ def price_figure(race: Race, policy: str) -> Figure:
     """What a policy that anticipates held each hour's capacity to be worth to others, $/kWh."""
     lap = race.lap(policy)
     prices = () if lap is None else lap.capacity_price_per_kwh
-    line = _steps(race.times, prices, "Price of capacity", LOOKS[policy][0], "solid")
+    line = _steps(race.times, prices, "Price of capacity", _look(race, policy)[0], "solid")
     line |= {"fill": "tozeroy", "hovertemplate": "&#36;%{y:.3f} per kWh"}
     return figure(
         [line],

@@ -18,7 +18,7 @@ from evdash.files.overrides import Setting, parse_settings
 from evdash.files.run_export import RunLabel
 from evdash.files.scenario_folder import read_scenario
 from evdash.metrics.ageing import Thermal
-from evdash.policies.registry import RULES
+from evdash.policies import registry
 from evdash.reports.account import Account, account, flows_needed, transformer_of, verdict_on
 from evdash.reports.again import decided_again, earlier_run, is_run_folder
 from evdash.reports.bundle import check_files
@@ -100,11 +100,11 @@ def _day(options: argparse.Namespace) -> tuple[Trace, RunLabel]:
     if options.seed is not None:
         settings += (Setting("arrivals.seed", options.seed),)
     scenario = read_scenario(options.source, settings)
-    policy: str = options.policy or "p1"
+    rule = registry.given(options.policy or "p1")
     network: Network = options.network or "lindistflow"
-    trace = run_with_progress(scenario, network, RULES[policy])
+    trace = run_with_progress(scenario, network, rule)
     seconds = sum(step.plan.report.seconds for step in trace.steps)
-    return trace, RunLabel(policy, network, scenario.arrivals.seed, seconds)
+    return trace, RunLabel(rule.name, network, scenario.arrivals.seed, seconds)
 
 
 def _account(trace: Trace, label: RunLabel, options: argparse.Namespace) -> Account:
@@ -217,7 +217,7 @@ def _add_conditions(command: argparse.ArgumentParser) -> None:
         help="give OCPP limits in A per phase, too, for outlets connected like this: 3x230, 1x240",
     )
     scenario = command.add_argument_group("how a scenario is run (not for an earlier run)")
-    scenario.add_argument("--policy", choices=list(RULES), help="who decides (default: p1)")
+    scenario.add_argument("--policy", metavar="NAME", help="who decides, as for run (default: p1)")
     scenario.add_argument(
         "--network",
         choices=["lindistflow", "ac"],

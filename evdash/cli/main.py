@@ -20,7 +20,6 @@ from evdash.cli.validate import validate
 from evdash.errors import EvdashError, Fault, InputError
 from evdash.files.bundled import located
 from evdash.horizon.networks import NETWORKS
-from evdash.policies.registry import RULES
 
 DONE, OWN_FAILURE, WRONG_INPUT, BROKEN = 0, 1, 2, 3
 STATUSES = (
@@ -104,12 +103,13 @@ def _add_run(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     command.add_argument("--seed", type=int, metavar="N", help="seed of the random arrivals")
     command.add_argument(
         "--policy",
-        choices=list(RULES),
         default="p1",
+        metavar="NAME",
         help="who decides: the paper's p1; p1-plain, the same solved as written, slower; "
         "bid-price, which anticipates; by rule, first come (fcfs), earliest deadline (edf) or "
         "least laxity (llf) first; uncoordinated, which keeps no limit; oracle, which knows who "
-        "will come (default: p1)",
+        "will come; a policy that an installed package offers; or module:function, one of your "
+        "own as docs/policies.md tells (default: p1)",
     )
     command.add_argument(
         "--network",

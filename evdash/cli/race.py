@@ -1,6 +1,7 @@
 """`race`: several policies on the same day, their figures side by side."""
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 
 from rich.table import Table
@@ -17,7 +18,7 @@ from evdash.horizon.inputs import prepare
 from evdash.horizon.networks import NETWORKS
 from evdash.policies.race import CONTESTANTS, Race, Told, race
 from evdash.policies.race_words import race_sentences, race_table
-from evdash.policies.registry import RULES
+from evdash.policies.registry import RULES, Rule, all_given
 
 BROKEN = 3
 TABLE_WIDTH = 132
@@ -45,10 +46,10 @@ def add_race(
     command.add_argument(
         "--policies",
         nargs="+",
-        choices=list(RULES),
         metavar="NAME",
-        help=f"who takes part, of {', '.join(RULES)} (default: all but p1-plain, which decides "
-        "as p1 does and takes minutes)",
+        help=f"who takes part, of {', '.join(RULES)}, what installed packages offer, and "
+        "module:function, one of your own (default: all of ours but p1-plain, which decides as "
+        "p1 does and takes minutes)",
     )
     command.add_argument(
         "--network",
@@ -71,13 +72,14 @@ def add_race(
 
 def run_race(options: argparse.Namespace) -> int:
     """Race; 3 if a policy that is to keep limits and promises broke one, 0 otherwise."""
+    rules = all_given(options.policies or CONTESTANTS, "--policies")
     if options.out is None:
-        return _raced(options, None)
+        return _raced(options, rules, None)
     with output_folder(options.out, "race", is_race, options.force) as claim:
-        return _raced(options, claim)
+        return _raced(options, rules, claim)
 
 
-def _raced(options: argparse.Namespace, claim: Claim | None) -> int:
+def _raced(options: argparse.Namespace, rules: Mapping[str, Rule], claim: Claim | None) -> int:
     settings = parse_settings(options.settings)
     if options.seed is not None:
         settings += (Setting("arrivals.seed", options.seed),)
@@ -86,10 +88,10 @@ def _raced(options: argparse.Namespace, claim: Claim | None) -> int:
         task = progress.add_task("preparing", total=None)
 
         def told(now: Told) -> None:
-            what = RULES[now.policy].title
+            what = rules[now.policy].title
             progress.update(task, description=what, completed=now.done, total=now.total)
 
-        found = race(inputs, options.policies or CONTESTANTS, told)
+        found = race(inputs, rules, told, rules.__getitem__)
     if options.policies and found.absent:
         raise InputError(
             [Fault(f"--policies {name}", "cannot run", why) for name, why in found.absent.items()]

@@ -23,6 +23,7 @@ from evdash.metrics.totals import Totals, totals
 from evdash.metrics.verdict_words import State, Wording, sentences
 
 HOURLY_ROWS = 48
+MOST_KEPT = 5
 SENTENCE_STYLE: Mapping[State, str] = {
     "bad": "bold red",
     "note": "bold yellow",
@@ -45,6 +46,7 @@ def print_report(trace: Trace, verdict: Verdict, label: RunLabel, out: Path | No
     terminal.print(_totals(trace, day, label))
     _print_reasons(terminal, trace)
     _print_happenings(terminal, trace)
+    _print_kept(terminal, trace)
     _print_verdict(terminal, trace, verdict)
     if out is not None:
         terminal.say(f"written to {out}")
@@ -153,6 +155,16 @@ def _print_happenings(terminal: Terminal, trace: Trace) -> None:
             terminal.say("        ", (missing, "red"))
         if happening.note:
             terminal.say(f"        {happening.note}")
+
+
+def _print_kept(terminal: Terminal, trace: Trace) -> None:
+    """When the last plan was kept, and why."""
+    kept = [step for step in trace.steps if step.plan.report.status == "fallback"]
+    for step in kept[:MOST_KEPT]:
+        why = step.plan.report.note
+        terminal.say((f"  {step.start:%H:%M} the last plan was kept:", "bold yellow"), f" {why}")
+    if len(kept) > MOST_KEPT:
+        terminal.say(f"        and in {len(kept) - MOST_KEPT} more intervals")
 
 
 def ledger_line(trace: Trace, entry: LedgerEntry) -> str:

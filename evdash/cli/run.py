@@ -21,7 +21,7 @@ from evdash.files.run_folder import is_run, write_run
 from evdash.files.scenario_folder import read_scenario
 from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.totals import totals
-from evdash.policies.registry import RULES
+from evdash.policies.registry import Rule, given
 from evdash.studies.crew import cores, in_order
 
 EXPLAINED = "p1"
@@ -31,23 +31,24 @@ BROKEN = 3
 
 def run(options: argparse.Namespace) -> int:
     """Run a scenario; 3 if a promise or a limit was broken, 0 otherwise."""
+    rule = given(options.policy)
     _check_explained(options)
     if options.out is None:
-        return _run(options, None)
+        return _run(options, rule, None)
     with output_folder(options.out, "run", is_run, options.force) as claim:
-        return _run(options, claim)
+        return _run(options, rule, claim)
 
 
-def _run(options: argparse.Namespace, claim: Claim | None) -> int:
+def _run(options: argparse.Namespace, rule: Rule, claim: Claim | None) -> int:
     began = time.perf_counter()
     settings = parse_settings(options.settings)
     if options.seed is not None:
         settings += (Setting("arrivals.seed", options.seed),)
     scenario = read_scenario(options.scenario or DEFAULT, settings)
-    trace = run_with_progress(scenario, options.network, RULES[options.policy])
+    trace = run_with_progress(scenario, options.network, rule)
     verdict = judge(trace, linear_breaches(trace))
     label = RunLabel(
-        policy=options.policy,
+        policy=rule.name,
         network=options.network,
         seed=scenario.arrivals.seed,
         wall_seconds=time.perf_counter() - began,

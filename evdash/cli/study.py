@@ -10,6 +10,7 @@ from rich.table import Table
 from evdash.cli.terminal import Terminal, progress_bar
 from evdash.domain.study import Band
 from evdash.files.bundled import located_study
+from evdash.policies.registry import all_given
 from evdash.studies.beyond import beyond_told
 from evdash.studies.crew import Crew
 from evdash.studies.engine import Progress as Stand
@@ -45,6 +46,14 @@ def add_study(
         "--out", type=Path, metavar="DIR", required=True, help="folder of results and tables"
     )
     command.add_argument(
+        "--policies",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="who decides, in place of those the file names: of ours, what installed packages "
+        "offer, and module:function, one of your own, which counts only where it is given here",
+    )
+    command.add_argument(
         "--workers", type=_workers, default=0, metavar="N", help="processes (default: one a core)"
     )
     command.add_argument(
@@ -68,7 +77,8 @@ def _workers(text: str) -> int:
 
 def study(options: argparse.Namespace) -> int:
     """Run or resume a study; 1 if it was stopped or any of its runs failed, 0 otherwise."""
-    runs = read_study(options.study)
+    own = tuple(all_given(options.policies, "--policies"))
+    runs = read_study(options.study, own)
     folder = StudyFolder(options.out)
     folder.make()
     try:
@@ -77,7 +87,7 @@ def study(options: argparse.Namespace) -> int:
                 folder.begin(runs)
             if options.retry:
                 folder.results.forget_failed()
-            stopped = _run(folder, options)
+            stopped = _run(folder, own, options)
             found = folder.found(runs)
             folder.write_tables(found)
     except Timeout as error:
@@ -89,9 +99,9 @@ def study(options: argparse.Namespace) -> int:
     return FAILED if stopped or failed else DONE
 
 
-def _run(folder: StudyFolder, options: argparse.Namespace) -> bool:
+def _run(folder: StudyFolder, own: tuple[str, ...], options: argparse.Namespace) -> bool:
     """Run what is left, with progress on stderr; whether it was stopped before its end."""
-    runs = folder.read()
+    runs = folder.read(own)
     with progress_bar() as progress:
         task = progress.add_task("running", total=len(runs.runs))
 

@@ -1,5 +1,6 @@
 """What a policy may know, and what it answers."""
 
+import re
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
@@ -11,6 +12,12 @@ from evdash.domain.tariff import Tariff
 from evdash.domain.vehicles import Contract, Request
 
 Status = Literal["optimal", "feasible", "fallback"]
+OUTSIDE = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*(\.[^\W\d]\w*)*")
+
+
+def is_outside(policy: str) -> bool:
+    """Whether a policy's name is that of a function from outside, `module:function`."""
+    return OUTSIDE.fullmatch(policy) is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +51,11 @@ class Snapshot:
     def price_per_kwh(self) -> Floats:
         """Energy price of each slot, $/kWh, (slots,)."""
         return self.tariff.price_per_kwh
+
+    @property
+    def headroom_kw(self) -> Floats:
+        """The most the station may draw in each slot, kW, (slots,); inf where nothing limits."""
+        return self.rows.headroom_kw()
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,6 +32,7 @@ RefusalKind = Literal[
     "rule",
     "best day",
     "left out",
+    "policy",
     "fallback",
     "as told",
 ]
@@ -59,6 +60,7 @@ CLAUSES: dict[RefusalKind, str] = {
     "rule": "the rule of precedence would then not serve everyone in time",
     "best day": "it is no part of the best day, the whole of it known in advance",
     "left out": "the best plan found leaves it out",
+    "policy": "the policy that decides, one from outside, leaves it out",
     "fallback": "no new plan was found that passes every check, so that the last one was kept",
     "as told": "a reason given by an earlier version",
 }
@@ -75,7 +77,8 @@ class RefusalReason:
     driver pays; `loss`, in $, expected; `need_kwh`, `max_kw` and `low_kw`, the lowest power a
     charger gives it; `intervals`, those it takes, and `left`, those that are left; `elements`,
     the feeder's that leave too little headroom; `by`, the newcomers admitted in its place;
-    `where`, the rule, or the hour for which room is kept; `told`, an earlier version's words.
+    `where`, the rule, the hour for which room is kept, what a policy from outside says of it, or
+    what was wrong with that policy's plan; `told`, an earlier version's words.
     """
 
     kind: RefusalKind
@@ -146,7 +149,7 @@ def _kept(reason: RefusalReason) -> str:
     return f"{told}, room being worth most at {reason.where}" if reason.where else told
 
 
-def _rule(reason: RefusalReason) -> str:
+def _where(reason: RefusalReason) -> str:
     return reason.where
 
 
@@ -162,7 +165,9 @@ _FIGURES = {
     "contracts cost": _costs,
     "outbid": _outbid,
     "kept for others": _kept,
-    "rule": _rule,
+    "rule": _where,
+    "policy": _where,
+    "fallback": _where,
 }
 
 

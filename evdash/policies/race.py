@@ -19,7 +19,7 @@ from evdash.metrics.records import executed_station_kw
 from evdash.metrics.service import Service, service
 from evdash.metrics.verdict import FULL_AC, LINEARISED, ModelVerdict, verdict_of
 from evdash.policies.oracle import Oracle
-from evdash.policies.registry import RULES
+from evdash.policies.registry import RULES, Rule, described, known
 
 ORACLE, PAPERS = "oracle", "p1"
 SLOW = ("p1-plain",)
@@ -65,7 +65,7 @@ class Lap:
     @property
     def title(self) -> str:
         """The policy's name in words."""
-        return RULES[self.policy].title
+        return described(self.policy).title
 
     def verdict(self, network: Network) -> ModelVerdict:
         """What a network model says of the day."""
@@ -74,7 +74,7 @@ class Lap:
     @property
     def keeps_limits(self) -> bool:
         """Whether the policy is to keep limits and promises at all."""
-        return RULES[self.policy].keeps_limits
+        return described(self.policy).keeps_limits
 
     @property
     def is_sound(self) -> bool:
@@ -133,11 +133,15 @@ class Told:
 
 
 def race(
-    inputs: Inputs, policies: Iterable[str], told: Callable[[Told], None] | None = None
+    inputs: Inputs,
+    policies: Iterable[str],
+    told: Callable[[Told], None] | None = None,
+    find: Callable[[str], Rule] = known,
 ) -> Race:
     """Every policy on the day of these inputs from its beginning.
 
-    `told` is called after every step, so that a caller can tell how far it is, or stop.
+    `told` is called after every step, so that a caller can tell how far it is, or stop. `find`
+    gives a policy by its name; those it cannot make are absent.
     """
     start, track = begin(inputs), _Track(inputs, told)
     names = sorted(dict.fromkeys(policies), key=lambda name: name != ORACLE)
@@ -145,13 +149,14 @@ def race(
     for place, name in enumerate(names):
         track.at(name, place, len(names))
         try:
-            policy = RULES[name].make(inputs)
+            rule = find(name)
+            policy = rule.make(inputs)
         except InputError as error:
             absent[name] = "; ".join(str(fault) for fault in error.faults)
             continue
         if isinstance(policy, Oracle) and not inputs.given.events:
             most = policy.foresight.most_profit
-        trace = run_day(start, policy, track.stepped, RULES[name].decide)
+        trace = run_day(start, policy, track.stepped, rule.decide)
         laps.append(_lap(name, trace, track.judged(trace), most))
     scenario = inputs.scenario
     return Race(

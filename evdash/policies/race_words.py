@@ -1,7 +1,8 @@
 """A race told: its figures as a table, and what it shows in plain sentences."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
+from evdash.domain.plan import is_outside
 from evdash.domain.trace import Network
 from evdash.domain.words import element_name, money
 from evdash.metrics.declared import figures_of
@@ -40,7 +41,7 @@ def _acceptance_by_option(race: Race) -> list[tuple[str, list[str]]]:
 
 def race_sentences(race: Race) -> list[str]:
     """What foresight is worth, how much of it statistics give, and who exceeds which limits."""
-    earned = (_foresight(race), _anticipation(race), _best_rule(race))
+    earned = (_foresight(race), _anticipation(race), _best_rule(race), *_from_outside(race))
     told = (*earned, *_limits(race), _promises(race), _unsound(race))
     return [sentence for sentence in told if sentence]
 
@@ -90,6 +91,30 @@ def _best_rule(race: Race) -> str:
         f"The best rule of precedence, {best.title.lower()}, earned {money(abs(less))} {side} than "
         "the paper's rule."
     )
+
+
+def _from_outside(race: Race) -> Iterator[str]:
+    """What each policy from outside earned, and where its plan did not count, and why."""
+    papers = race.lap(PAPERS)
+    for lap in race.laps:
+        if not is_outside(lap.policy):
+            continue
+        if papers is not None:
+            more = lap.service.profit - papers.service.profit
+            side = "more" if more >= 0 else "less"
+            yield f"{lap.title}, a policy from outside, earned {usd(abs(more))} {side} than P1."
+        kept = {
+            one.interval: one.reason.where
+            for one in lap.turned_down
+            if one.reason.kind == "fallback"
+        }
+        if kept:
+            first = min(kept)
+            often = f"{len(kept)} interval{'s' * (len(kept) > 1)}"
+            yield (
+                f"In {often} in which somebody asked the last plan was kept in place of that of "
+                f"{lap.title}; first at {race.times[first]:%H:%M}, {kept[first]}."
+            )
 
 
 def _limits(race: Race) -> list[str]:

@@ -14,7 +14,7 @@ from evdash.files.run_export import RunLabel
 from evdash.files.run_folder import SCENARIO, SUMMARY
 from evdash.files.scenario_folder import read_scenario
 from evdash.metrics.records import executed_power, vehicle_records
-from evdash.policies.registry import RULES, Rule
+from evdash.policies.registry import Rule, known
 
 SAME_KW = 1e-4
 """So close two powers are the same: a contract differs by less than the audit tells apart."""
@@ -42,9 +42,7 @@ def earlier_run(directory: Path) -> Earlier:
     record = read_record(directory)
     summary = record.summary
     policy, wall = summary.get("policy"), summary.get("wall_seconds")
-    if policy not in RULES:
-        allowed = f"should be one of {', '.join(RULES)}"
-        raise InputError([Fault(f"{directory}/{SUMMARY}, policy", repr(policy), allowed)])
+    known(str(policy), f"{directory}/{SUMMARY}, policy")
     scenario = read_scenario(directory / SCENARIO)
     label = RunLabel(
         policy=str(policy),
@@ -61,7 +59,7 @@ def decided_again(earlier: Earlier, decide: Decided) -> Trace:
     Raises InputError where that does not give what its files tell: they are another version's,
     or were changed, and what is handed on must be of the run itself.
     """
-    trace = decide(earlier.scenario, earlier.label.network, RULES[earlier.label.policy])
+    trace = decide(earlier.scenario, earlier.label.network, known(earlier.label.policy))
     differing = _first_difference(trace, earlier.record)
     if differing:
         made = earlier.record.summary.get("versions")

@@ -12,7 +12,7 @@ from evdash.explain.words import Clock
 from evdash.grid.lindistflow import load_kvar_of
 from evdash.metrics.verdict import Violation
 from evdash.metrics.verdict_words import Wording, sentences
-from evdash.policies.registry import RULES
+from evdash.policies.registry import described
 from evdash.reports.account import Account, edited
 
 NETWORK_WORDS = {
@@ -168,7 +168,7 @@ def edit_lines(account: Account) -> list[str]:
 
 def decided_words(account: Account) -> list[str]:
     """By which rule and under which model of the feeder it was decided, and how well."""
-    rule, steps = RULES[account.label.policy], account.trace.steps
+    rule, steps = described(account.label.policy), account.trace.steps
     lines = [
         f"Decided by {rule.title}. {rule.told}",
         f"Limits are kept in {NETWORK_WORDS[account.label.network]}.",

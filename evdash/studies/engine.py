@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from evdash.domain.study import Run, StudyRuns
-from evdash.studies.code import code_version
+from evdash.studies.code import code_of
 from evdash.studies.crew import Crew, Work, results
 from evdash.studies.reading import scenario_at
 from evdash.studies.results import Results
@@ -66,7 +66,7 @@ def run_study(
 
 def _tasks(runs: StudyRuns, there: set[str]) -> Iterator[Task]:
     """The runs to be done, in order; of two that are the same the first."""
-    code, known = code_version(), set(there)
+    known = set(there)
     point, scenario = -1, ""
     for run in runs.runs:
         if run.key in known:
@@ -74,7 +74,7 @@ def _tasks(runs: StudyRuns, there: set[str]) -> Iterator[Task]:
         known.add(run.key)
         if run.point != point:
             point, scenario = run.point, scenario_at(runs, run.point).model_dump_json()
-        yield task_of(run, scenario, code)
+        yield task_of(run, scenario, code_of(run.policy))
 
 
 def task_of(run: Run, scenario: str, code: str) -> Task:

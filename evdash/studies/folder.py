@@ -88,9 +88,9 @@ class StudyFolder:
         except OSError as error:
             raise unwritable(f"--out {self.path}", error) from error
 
-    def read(self) -> StudyRuns:
-        """The study kept here."""
-        return read_study(self.path / STUDY)
+    def read(self, own: tuple[str, ...] = ()) -> StudyRuns:
+        """The study kept here; with policies given by hand, as `read_study`."""
+        return read_study(self.path / STUDY, own)
 
     def found(self, runs: StudyRuns) -> Found:
         """The study's runs with what has been found so far."""

@@ -24,8 +24,8 @@ from evdash.files.bundled import bundled_scenarios, is_there, located
 from evdash.files.nested import read_toml
 from evdash.files.scenario_folder import read_scenario
 from evdash.files.wording import allowed, found, shown
-from evdash.policies.registry import RULES
-from evdash.studies.code import code_version
+from evdash.policies.registry import known
+from evdash.studies.code import code_of
 from evdash.studies.keys import with_settings
 from evdash.studies.measures import MEASURES
 
@@ -34,15 +34,20 @@ MOST_FAULTS = 50
 RESERVED = ("policy", "network", "seed", "status", "reason", "key", "metric", "days", "mean")
 
 
-def read_study(path: Path) -> StudyRuns:
-    """The study in a file, ready to run; raises InputError with every fault."""
+def read_study(path: Path, own: tuple[str, ...] = ()) -> StudyRuns:
+    """The study in a file, ready to run; raises InputError with every fault.
+
+    `own`: policies given by hand, which decide in place of those the file names.
+    """
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         fault = Fault(str(path), f"nothing readable ({error})", "should be a study file, UTF-8")
         raise InputError([fault]) from error
     study = parse_study(text, path.name)
-    return lay_out(study, base_scenario(study, path.parent))
+    if own:
+        study = study.model_copy(update={"policies": own})
+    return lay_out(study, base_scenario(study, path.parent), own)
 
 
 def parse_study(text: str, name: str = "study") -> Study:
@@ -94,9 +99,12 @@ def _within(place: str, fault: Fault) -> Fault:
     return Fault(f"{place}, {fault.place}", fault.found, fault.allowed)
 
 
-def lay_out(study: Study, given: Scenario) -> StudyRuns:
-    """Every point and run of a study over a base scenario; raises InputError with every fault."""
-    faults = [*_naming_faults(study), *_axis_faults(study)]
+def lay_out(study: Study, given: Scenario, own: tuple[str, ...] = ()) -> StudyRuns:
+    """Every point and run of a study over a base scenario; raises InputError with every fault.
+
+    Of policies that are not known by themselves, those in `own` count: a person gave them by hand.
+    """
+    faults = [*_policy_faults(study, own), *_naming_faults(study), *_axis_faults(study)]
     base = given
     try:
         base = with_settings(given, study.set)
@@ -112,15 +120,21 @@ def lay_out(study: Study, given: Scenario) -> StudyRuns:
     return StudyRuns(study, given, base, points, tuple(_runs(study, points)))
 
 
+def _policy_faults(study: Study, own: tuple[str, ...]) -> Iterator[Fault]:
+    """Policies that do not exist, and functions that a file names by itself."""
+    for name in study.policies:
+        try:
+            if name not in own:
+                known(name, "policies")
+        except InputError as error:
+            yield from error.faults
+
+
 def _naming_faults(study: Study) -> Iterator[Fault]:
-    """Policies and metrics that do not exist, and whatever is named twice."""
-    for place, names, known in (
-        ("policies", study.policies, list(RULES)),
-        ("metrics", study.metrics, list(MEASURES)),
-    ):
-        for name in names:
-            if name not in known:
-                yield Fault(place, shown(name), f"should be of {', '.join(known)}")
+    """Metrics that do not exist, and whatever is named twice."""
+    for name in study.metrics:
+        if name not in MEASURES:
+            yield Fault("metrics", shown(name), f"should be of {', '.join(MEASURES)}")
     titles = tuple(axis.title for axis in study.axis)
     several: dict[str, tuple[str, ...]] = {
         "axis": titles,
@@ -238,7 +252,7 @@ def _runs(study: Study, points: Sequence[Point]) -> Iterator[Run]:
         seeds = [study.seeds.first + n for n in range(study.seeds.count)]
     for p, point in enumerate(points):
         for policy, network, seed in product(study.policies, study.networks, seeds):
-            told = repr((point.digest, policy, network, seed, code_version()))
+            told = repr((point.digest, policy, network, seed, code_of(policy)))
             # drawn by lot, so that more seeds or values leave the runs already done as they are
             first = p == 0 and seed == seeds[0]
             lot = int(_digest(told)[:8], 16)

@@ -14,8 +14,8 @@ from evdash.errors import EvdashError
 from evdash.grid.acmany import ManyDays
 from evdash.horizon.day import begin, run_day
 from evdash.horizon.inputs import prepare, prepare_like
-from evdash.policies.registry import RULES
-from evdash.studies.code import code_version
+from evdash.policies.registry import given
+from evdash.studies.code import code_of
 from evdash.studies.days import with_seed
 from evdash.studies.measures import Day, figures
 
@@ -47,10 +47,10 @@ class Prepared:
 
 def work(task: Task) -> Result:
     """Do a run; whatever goes wrong is its result. Raises OtherCode."""
-    if task.code != code_version():
+    if task.code != code_of(task.policy):
         raise OtherCode(
-            "a worker runs another version of evdash or of a package beneath; start it from the "
-            "same folder and environment"
+            "a worker runs another version of evdash, of a package beneath or of the policy; start "
+            "it from the same folder and environment"
         )
     began = time.process_time()
     try:
@@ -69,7 +69,7 @@ def _day(task: Task) -> Day:
     if task.seed is not None:
         scenario = with_seed(scenario, task.seed)
     inputs = prepare_like(scenario, prepared.inputs)
-    rule = RULES[task.policy]
+    rule = given(task.policy)  # a study was laid out with it: it is known, or was given by hand
     trace = run_day(begin(inputs), rule.make(inputs), decide=rule.decide)
     # the loads of the whole day as they turned out decide its power flow
     feeder = ManyDays(trace.scenario) if trace.happenings else prepared.feeder

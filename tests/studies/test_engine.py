@@ -139,7 +139,7 @@ def test_results_of_other_code_are_neither_taken_nor_made(tmp_path, monkeypatch)
     file = write_study(tmp_path, STUDY.format(count=1))
     folder = finished(file, tmp_path / "out")
     before = {run.key for run in read_study(file).runs}
-    monkeypatch.setattr("evdash.studies.reading.code_version", lambda: "other")
+    monkeypatch.setattr("evdash.studies.reading.code_of", lambda _: "other")
     assert not before & {run.key for run in read_study(file).runs}
     assert run_study(read_study(file), folder.results, Crew(1)).earlier == 0
     with pytest.raises(OtherCode, match="another version"):

@@ -19,7 +19,7 @@ from evdash.files.race_folder import Tabled, intervals_table, policies_table, re
 from evdash.files.tables import write_table
 from evdash.policies.race import CONTESTANTS, PAPERS, Race
 from evdash.policies.race_words import ANTICIPATING, race_sentences, race_table
-from evdash.policies.registry import RULES
+from evdash.policies.registry import choices, described
 from evdash.ui.apart import apart, one_click
 from evdash.ui.parts import show, table, table_below
 from evdash.ui.race.racing import Finished, Racing, current_racing
@@ -43,13 +43,13 @@ def race_panel(session: Session) -> None:
     st.caption(INTRODUCTION)
     chosen = st.pills(
         "Who takes part",
-        list(RULES),
+        list(choices()),
         selection_mode="multi",
         default=list(CONTESTANTS),
-        format_func=lambda name: RULES[name].title,
+        format_func=lambda name: described(name).title,
         key="race_policies",
         persist_state="session",
-        help="\n\n".join(f"**{rule.title}**: {rule.told}" for rule in RULES.values()),
+        help="\n\n".join(f"**{rule.title}**: {rule.told}" for rule in choices().values()),
     )
     _start(racing, inputs, list(chosen))
     _watch(racing)
@@ -99,7 +99,7 @@ def _beat(racing: Racing, on: bool) -> None:
     if stand.state == "running":
         told = "Getting ready …"
     if stand.policy:
-        told = f"{RULES[stand.policy].title} …"
+        told = f"{described(stand.policy).title} …"
     st.progress(share, told)
 
 
@@ -126,7 +126,7 @@ def _shown(finished: Finished, inputs: Inputs) -> None:
         for sentence in race_sentences(race):
             st.markdown(f"- {plain(sentence)}")
     for name, why in race.absent.items():
-        st.caption(f"{RULES[name].title} could not take part: {plain(why)}")
+        st.caption(f"{described(name).title} could not take part: {plain(why)}")
     if not race.laps:
         return
     _pictures(race)
@@ -150,7 +150,7 @@ def _pictures(race: Race) -> None:
             there,
             selection_mode="multi",
             default=[name for name in DRAWN if name in there] or there[:1],
-            format_func=lambda name: RULES[name].title,
+            format_func=lambda name: described(name).title,
             key="race_drawn",
             label_visibility="collapsed",
         )

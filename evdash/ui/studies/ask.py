@@ -12,7 +12,7 @@ from evdash.domain.study import Axis, Seeds, Study, StudyRuns
 from evdash.errors import Fault, InputError
 from evdash.files.nested import read_toml
 from evdash.files.wording import shown
-from evdash.policies.registry import RULES
+from evdash.policies.registry import choices, described
 from evdash.studies.background import spare_cores
 from evdash.studies.estimate import seconds_needed
 from evdash.studies.folder import study_text
@@ -106,9 +106,9 @@ def _settings(name: str, scenario: Scenario) -> Study:
     )
     policies = st.multiselect(
         "Who decides",
-        list(RULES),
+        list(choices()),
         list(study.policies),
-        format_func=lambda rule: RULES[rule].title,
+        format_func=lambda rule: described(rule).title,
         key=f"study_policies_{name}",
         help="The rules by which vehicles are admitted and charged. With several, each decides "
         "the very same days.",
