@@ -102,7 +102,7 @@ def _from_outside(race: Race) -> Iterator[str]:
         if papers is not None:
             more = lap.service.profit - papers.service.profit
             side = "more" if more >= 0 else "less"
-            yield f"{lap.title}, a policy from outside, earned {usd(abs(more))} {side} than P1."
+            yield f"{lap.title}, a policy from outside, earned {money(abs(more))} {side} than P1."
         kept = {
             one.interval: one.reason.where
             for one in lap.turned_down
