@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from evdash import __version__
+from evdash.cli.app import add_app
 from evdash.cli.audit import audit
 from evdash.cli.export import add_export
 from evdash.cli.imports import add_import
@@ -70,12 +71,13 @@ def unusable(error: OSError) -> Fault:
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     top: argparse.ArgumentParser = Parser(
-        prog="python -m evdash",
+        prog="evdash" if Path(sys.argv[0]).stem == "evdash" else "python -m evdash",
         description="Which electric vehicles can a charging station take on, hour by hour?",
         epilog=STATUSES,
     )
     top.add_argument("--version", action="version", version=f"evdash {__version__}")
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    add_app(commands, STATUSES)
     _add_run(commands)
     _add_validate(commands)
     _add_audit(commands)
