@@ -1,7 +1,7 @@
 """A scenario on its way into a day, a race or a study."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from evdash.api.days import Day
 from evdash.api.races import Race
 from evdash.api.studies import Study, run_here
 from evdash.domain import scenario as domain
-from evdash.domain.plan import Policy
+from evdash.domain.plan import Snapshot
 from evdash.domain.study import Study as StudyForm
 from evdash.domain.trace import Network
 from evdash.errors import Fault, InputError
@@ -24,11 +24,13 @@ from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
 from evdash.horizon.networks import NETWORKS
 from evdash.policies.race import CONTESTANTS, race
-from evdash.policies.registry import RULES, Rule
+from evdash.policies.registry import Rule, all_given, given, own
 from evdash.studies.keys import with_settings
 from evdash.studies.reading import lay_out, study_of
 
 METRICS = StudyForm.model_fields["metrics"].default
+Own = Callable[[Snapshot], object]
+"""A policy of somebody's own: it answers a mapping from vehicle to power in kW, or a Plan."""
 
 
 def load(
@@ -146,7 +148,7 @@ class Scenario:
 
     def run(
         self,
-        policy: str | Policy = "p1",
+        policy: str | Own = "p1",
         *,
         seed: int | None = None,
         network: Network = "lindistflow",
@@ -157,8 +159,9 @@ class Scenario:
         ----------
         policy : str or callable, default "p1"
             Who decides, by the names of ``--policy``, or a function of your own that takes an
-            `evdash.domain.plan.Snapshot` and answers a `Plan` (docs/policies.md). Its plans are
-            certified as those of ours are: one that breaks a limit or a promise does not count.
+            `evdash.domain.plan.Snapshot` and answers who gets how much power when
+            (docs/policies.md). Its plans are certified as those of ours are: where one breaks a
+            limit or a promise, or there is none, the last is kept and the fault told.
         seed : int, optional
             Seed of the random arrivals in place of the scenario's.
         network : {"lindistflow", "ac"}
@@ -185,13 +188,12 @@ class Scenario:
         began = time.perf_counter()
         trace = start_day(scenario, network)
         trace = run_day(trace, rule.make(trace.inputs), decide=rule.decide)
-        name = policy if isinstance(policy, str) else rule.title
         seconds = time.perf_counter() - began
-        return Day(trace, RunLabel(name, network, scenario.arrivals.seed, seconds))
+        return Day(trace, RunLabel(rule.name, network, scenario.arrivals.seed, seconds))
 
     def race(
         self,
-        policies: Sequence[str] = CONTESTANTS,
+        policies: Sequence[str | Own] = CONTESTANTS,
         *,
         seed: int | None = None,
         network: Network = "lindistflow",
@@ -200,8 +202,8 @@ class Scenario:
 
         Parameters
         ----------
-        policies : sequence of str
-            Who takes part; by default all but ``p1-plain``.
+        policies : sequence of str or callable
+            Who takes part, as for `run`; by default all of ours but ``p1-plain``.
         seed, network
             As for `run`.
 
@@ -224,10 +226,10 @@ class Scenario:
         p1       77.26       0
         fcfs   -410.87       0
         """
-        for name in policies:
-            _rule(name)
+        rules = _rules(policies)
         _check_network(network)
-        return Race(race(prepare(self._seeded(seed), network), policies))
+        inputs = prepare(self._seeded(seed), network)
+        return Race(race(inputs, rules, find=rules.__getitem__))
 
     def study(
         self,
@@ -249,7 +251,7 @@ class Scenario:
         days : int or None, default 20
             Days drawn at every point, a seed each; None: the scenario's own arrivals alone.
         policies, networks : sequence of str
-            Who decides, and the network models whose limits are kept.
+            Who decides, by the names of ``--policy``, and the network models whose limits are kept.
         metrics : sequence of str
             Columns of the tables, of those in docs/studies.md.
         folder : str or Path, optional
@@ -285,20 +287,28 @@ class Scenario:
             "networks": tuple(networks),
             "metrics": tuple(metrics),
         }
-        return run_here(lay_out(study_of(form), self.data), folder, workers)
+        all_given(policies, "policies")
+        return run_here(lay_out(study_of(form), self.data, tuple(policies)), folder, workers)
 
     def _seeded(self, seed: int | None) -> domain.Scenario:
         return self.data if seed is None else with_settings(self.data, {"arrivals.seed": seed})
 
 
-def _rule(policy: str | Policy) -> Rule:
+def _rule(policy: str | Own) -> Rule:
     """A policy by its name, or one of somebody's own, whose plans are certified like ours."""
-    if not isinstance(policy, str):
-        name = getattr(policy, "__name__", type(policy).__name__)
-        return Rule(name, "", lambda _: policy)
-    if policy not in RULES:
-        raise InputError([Fault("policy", repr(policy), f"should be one of {', '.join(RULES)}")])
-    return RULES[policy]
+    return given(policy, "policy") if isinstance(policy, str) else own(policy)
+
+
+def _rules(policies: Sequence[str | Own]) -> dict[str, Rule]:
+    """Policies that are to race, each under a name of its own."""
+    rules: dict[str, Rule] = {}
+    for policy in policies:
+        rule = _rule(policy)
+        if rule.name in rules and not isinstance(policy, str):
+            allowed = "should have names that tell them apart"
+            raise InputError([Fault("policies", f"two functions called {rule.name}", allowed)])
+        rules[rule.name] = rule
+    return rules
 
 
 def _check_network(network: str) -> None:

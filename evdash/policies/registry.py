@@ -34,6 +34,7 @@ from evdash.scheduling.reference import solve_reference
 GROUP = "evdash.policies"
 """The entry points by which an installed package offers policies."""
 TITLE = re.compile(r"\w[\w.-]{0,39}")
+NAMELESS = "own:policy"
 OWN = "or module:function, one of your own (docs/policies.md)"
 NOT_BY_FILE = "(one of your own counts where it is installed, or named on the command line)"
 FROM_OUTSIDE = "A policy from outside; its plans are checked like all others."
@@ -152,6 +153,14 @@ def given(name: str, place: str = "--policy") -> Rule:
         sys.path.insert(0, os.getcwd())
     function = _loaded(EntryPoint(name, name, GROUP), place)
     return _from_outside(name, name, lambda: function)
+
+
+def own(function: Callable[[Snapshot], object]) -> Rule:
+    """A function that a program hands over, named `module:function` as far as it has a name."""
+    module, name = (getattr(function, key, "") for key in ("__module__", "__name__"))
+    title = f"{module}:{name}"
+    title = title if is_outside(title) else NAMELESS
+    return _from_outside(title, title, lambda: function)
 
 
 def all_given(names: Sequence[str], place: str) -> Mapping[str, Rule]:

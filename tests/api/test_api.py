@@ -126,11 +126,18 @@ def test_a_policy_of_ones_own_is_certified_like_ours() -> None:
 
     scenario = evdash.load("summer-weekday")
     same_day = scenario.run(ours)
-    assert same_day.vehicles.equals(scenario.run().vehicles)
+    decided = [name for name in same_day.vehicles.columns if name != "reason"]
+    assert same_day.vehicles[decided].equals(scenario.run().vehicles[decided])
+    assert same_day.label.policy == "own:policy"
     refused = scenario.run(twice_the_power)
-    assert refused.label.policy == "twice_the_power"
+    assert refused.label.policy == "tests.api.test_api:twice_the_power"
     assert refused.is_sound
     assert set(refused.intervals.query("admitted + refused > 0").status) == {"fallback"}
+    race = scenario.race(["p1", twice_the_power, lambda _: {}])
+    assert list(race.figures.index) == ["p1", "tests.api.test_api:twice_the_power", "own:policy"]
+    assert (race.figures.admitted.iloc[1:] == 0).all()
+    with pytest.raises(evdash.InputError, match="two functions called own:policy"):
+        scenario.race([lambda _: {}, ours])
 
 
 def test_a_race_is_drawn_and_told() -> None:
