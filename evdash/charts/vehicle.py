@@ -178,12 +178,6 @@ def _price_range(outlook: Outlook) -> list[float]:
     return [1.1 * min(0.0, low), 1.35 * max(high, 0.01)]
 
 
-def _battery_range(day: VehicleDay) -> list[float]:
-    """From what it came with to what it is to have, with room for the marks."""
-    most = max(day.request.soc_out, day.due_soc)
-    return [max(0.0, 100 * day.request.soc_in - 8), min(106.0, 100 * most + 12)]
-
-
 def _charged(day: VehicleDay, outlook: Outlook) -> dict[str, Any]:
     """The battery from arrival to the promised return, level until the first interval."""
     window = [*_window(day, outlook), _end(day)]

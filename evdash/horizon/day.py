@@ -81,7 +81,7 @@ def certified_plan(policy: Policy, snapshot: Snapshot, check: LimitCheck) -> Pla
     return fallback(snapshot, "; ".join(problems)) if problems else plan
 
 
-def answered_plan(policy: Policy, snapshot: Snapshot, check: LimitCheck) -> Plan:
+def answered_plan(policy: Policy, snapshot: Snapshot, _check: LimitCheck) -> Plan:
     """The policy's plan if it answers the snapshot, whatever it does to the limits."""
     plan = policy(snapshot)
     problems = answer_problems(plan, snapshot)

@@ -21,12 +21,12 @@ DIGITS = 6
 """Laxities equal to so many digits are equal: ties must not hang on the last bit."""
 
 
-def first_come(charge: Charge, owed_kw: float, slots_left: int) -> tuple[float, ...]:
+def first_come(charge: Charge, _owed_kw: float, _slots_left: int) -> tuple[float, ...]:
     """First come, first served."""
     return (charge.arrival_order,)
 
 
-def earliest_deadline(charge: Charge, owed_kw: float, slots_left: int) -> tuple[float, ...]:
+def earliest_deadline(charge: Charge, _owed_kw: float, slots_left: int) -> tuple[float, ...]:
     """Who has to be back first goes first."""
     return (slots_left, charge.arrival_order)
 

@@ -15,8 +15,8 @@ from evdash.scheduling.effort import ITERATIONS, Effort, Meter
 
 TOLERANCE = 1e-9
 Kinds = NDArray[np.uint8]
-CONTINUOUS, WHOLE, SEMI_CONTINUOUS = 0, 1, 2
-"""Kinds of columns; a semi-continuous one is 0 or within its bounds."""
+WHOLE, SEMI_CONTINUOUS = 1, 2
+"""Kinds of columns, 0 for any other; a semi-continuous one is 0 or within its bounds."""
 
 MIP_PRESOLVE = "off"
 """HiGHS 1.15's presolve errs on one mixed-integer program in some hundreds (`reference.py`);

@@ -143,7 +143,7 @@ def _earlier(problem: Problem, admitted: Bools, power_kw: Floats, bound: float) 
     return earlier if problem.tariff.cost(earlier) <= limit + ROUNDING_USD else power_kw
 
 
-def _as_found(problem: Problem, admitted: Bools, power_kw: Floats, bound: float) -> Floats:
+def _as_found(_problem: Problem, _admitted: Bools, power_kw: Floats, _bound: float) -> Floats:
     return power_kw
 
 

@@ -51,7 +51,7 @@ def write_stand(folder: StudyFolder, stand: Stand) -> None:
 
 
 @lru_cache(maxsize=2048)
-def _read(path: Path, number: int, changed_ns: int) -> Stand:
+def _read(path: Path, _number: int, _changed_ns: int) -> Stand:
     """A file of this number and time, read once: who looks for a turn looks at all of them."""
     return Stand(**read_json(path.read_text(encoding="utf-8")))
 

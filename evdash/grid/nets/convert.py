@@ -37,7 +37,7 @@ def converted(net: Net, source: str | None = None) -> ConvertedFeeder:
     Raises InputError naming every place that keeps it from being a balanced radial feeder.
     """
     buses = {bus.index: bus for bus in net.bus}
-    faults = [*_unknown_buses(net, buses), *_refused(net, buses)]
+    faults = [*_unknown_buses(net, buses), *_refused(net)]
     if faults:
         raise InputError(faults)
     joined = connections(net, buses)
@@ -72,7 +72,7 @@ def _unknown_buses(net: Net, buses: Mapping[int, Bus]) -> Iterable[Fault]:
             yield Fault(f"{place}, column element", f"{switch.element}", rule)
 
 
-def _refused(net: Net, buses: Mapping[int, Bus]) -> Iterable[Fault]:
+def _refused(net: Net) -> Iterable[Fault]:
     rule = "cannot be carried by a balanced radial feeder of constant-power loads"
     for other in net.others:
         if other.in_service:

@@ -11,8 +11,6 @@ from evdash.errors import Fault
 from evdash.grid.nets.branches import Branch, Connections, in_parallel
 from evdash.grid.nets.records import Bus, Net
 
-RATIO_TOLERANCE = 1e-9
-
 
 @dataclass(frozen=True, slots=True)
 class Tree:
@@ -124,7 +122,7 @@ def _loops(graph: Any, root: int, buses: Mapping[int, Bus]) -> list[Fault]:
         if start == end:
             faults.append(Fault(along[0].told, f"both ends at {label(buses[start])}", rule))
             continue
-        ratios = {round(_lowered(branch, buses), 9) for branch in along}
+        ratios = {round(_lowered(branch), 9) for branch in along}
         if len(ratios) > 1:
             told = " and ".join(branch.told for branch in along)
             faults.append(
@@ -133,7 +131,7 @@ def _loops(graph: Any, root: int, buses: Mapping[int, Bus]) -> list[Fault]:
     return faults
 
 
-def _lowered(branch: Branch, buses: Mapping[int, Bus]) -> float:
+def _lowered(branch: Branch) -> float:
     """A branch's ratio as if it led from its lower-numbered bus."""
     return branch.ratio if branch.from_bus < branch.to_bus else 1 / branch.ratio
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from evdash.scheduling.fast.charges import Charges
 from evdash.scheduling.problem import Bools, Problem
 from evdash.scheduling.rows import Indices
 
@@ -36,7 +35,7 @@ class Columns:
         return self.n_pairs + int((self.d >= 0).sum()) + len(self.u)
 
 
-def columns_of(problem: Problem, charges: Charges, charger_slots: Bools) -> Columns:
+def columns_of(problem: Problem, charger_slots: Bools) -> Columns:
     """Which variables there are."""
     vehicle, slot = np.nonzero(problem.window)
     with_d = charger_slots[slot]

@@ -42,7 +42,7 @@ def relaxation_of(
     problem: Problem, charges: Charges, headroom_kw: Floats, charger_slots: Bools
 ) -> Relaxation:
     """P1 with D continuous, and gone where chargers cannot bind."""
-    at = columns_of(problem, charges, charger_slots)
+    at = columns_of(problem, charger_slots)
     rows = Rows()
     energy_owed(rows, at, charges)
     charger_on(rows, at, charges, problem)

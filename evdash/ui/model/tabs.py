@@ -38,7 +38,7 @@ def in_numbers(session: Session) -> None:
     equations.equations(session)
 
 
-def glossary(session: Session) -> None:
+def glossary(_session: Session) -> None:
     """Every word of the field that the app uses."""
     typed = st.text_input(
         "Look for",

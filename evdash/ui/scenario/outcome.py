@@ -30,7 +30,7 @@ def outcome(session: Session, editor: Editor) -> None:
     with st.container(horizontal=True, vertical_alignment="center", key="scenario_actions"):
         _begin(session, editor, scenario)
         _download(editor, scenario)
-        _state(session, editor, scenario)
+        _state(session, scenario)
 
 
 def _said(editor: Editor) -> None:
@@ -101,7 +101,7 @@ def _download(editor: Editor, scenario: Scenario | None) -> None:
     )
 
 
-def _state(session: Session, editor: Editor, scenario: Scenario | None) -> None:
+def _state(session: Session, scenario: Scenario | None) -> None:
     """In a few words: what is different from the present run, and what beginning would drop."""
     if scenario is None:
         return
