@@ -1,5 +1,6 @@
 """The documentation says what the code says."""
 
+import os
 import re
 import subprocess
 import sys
@@ -7,15 +8,17 @@ from pathlib import Path
 
 import pytest
 
+from evdash import __version__
 from evdash.audit.coverage import coverage_table
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def test_scenario_page_is_in_step_with_the_declarations():
-    written = (ROOT / "docs" / "scenario.md").read_text(encoding="utf-8")
-    script = "import sys; sys.path.insert(0, 'docs'); import build_scenario_doc as page;"
+@pytest.mark.parametrize("page", ["scenario", "api"])
+def test_a_page_is_in_step_with_the_declarations_it_is_built_from(page):
+    written = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    script = f"import sys; sys.path.insert(0, 'docs'); import build_{page}_doc as page;"
     printed = subprocess.run(
         [sys.executable, "-X", "utf8", "-c", script + "print(page.document(), end='')"],
         capture_output=True,
@@ -39,6 +42,34 @@ def test_links_and_named_files_exist(page):
         assert (path.parent / target).exists(), target
     for named in re.findall(r"`((?:evdash|tests|data|docs|benchmarks|pages)/[\w./-]+)`", text):
         assert (ROOT / named).exists(), named
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/api.md"])
+def test_the_first_result_in_ten_lines_of_python_comes_out(page, tmp_path):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    (script,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert len(script.strip().splitlines()) <= 10
+    printed = subprocess.run(
+        [sys.executable, "-X", "utf8", "-c", script],
+        capture_output=True,
+        encoding="utf-8",
+        check=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    ).stdout
+    assert printed.startswith("Summer weekday, p1: ")
+    assert "\nRefused because " in printed
+    assert "<html>" in (tmp_path / "load.html").read_text(encoding="utf-8")[:200]
+
+
+def test_the_citation_and_the_changes_are_of_this_version_and_licence():
+    cited = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {__version__}\n" in cited
+    assert "\nlicense: MIT\n" in cited
+    assert (ROOT / "LICENSE").read_text(encoding="utf-8").startswith("MIT License\n")
+    newest = re.search(r"^## ([\d.]+)", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
+    assert newest is not None
+    assert newest[1] == __version__
 
 
 def requirements(name):
