@@ -18,8 +18,8 @@ from evdash.domain.limits import Floats
 from evdash.domain.plan import Snapshot
 from evdash.domain.vehicles import Request
 from evdash.scheduling.effort import Effort
-from evdash.scheduling.fast.rounding import violated_cuts
-from evdash.scheduling.foresight import KnownDay, known_day, known_problem
+from evdash.scheduling.fast.rounding import relaxed_and_cut
+from evdash.scheduling.foresight import capacity_price, known_day
 from evdash.scheduling.highs import WHOLE, LinearProgram, LpPoint, Session
 from evdash.scheduling.problem import OPTIMALITY_USD
 
@@ -68,9 +68,8 @@ class SampledDay:
     """
 
     def __init__(self, snapshot: Snapshot, coming: tuple[Request, ...], n_requests: int) -> None:
-        problem, opens = known_problem(snapshot, coming)
-        self.day: KnownDay = known_day(problem, opens)
-        at, program = self.day.relaxation.columns, self.day.relaxation.program
+        self.day = known_day(snapshot, coming)
+        problem, at, program = self.day.problem, self.day.columns, self.day.program
         program.cost[: at.n_pairs] += LATER_USD_PER_KWH * at.slot * problem.interval_hours
         self.session = Session(program)
         self.n_present = problem.n_contracts + n_requests
@@ -79,16 +78,7 @@ class SampledDay:
 
     def best(self) -> LpPoint | None:
         """The day at its best, everything open, and then cut; None if infeasible."""
-        point = self.session.relaxed(Effort(WORK))
-        for _ in range(CUT_ROUNDS):
-            if point is None:
-                break
-            cuts = violated_cuts(self.day.relaxation, point.values)
-            if cuts.count == 0:
-                break
-            self.session.add_rows(cuts.matrix(self.day.relaxation.columns.total), *cuts.limits())
-            point = self.session.relaxed(Effort(WORK))
-        return point
+        return relaxed_and_cut(self.day, self.session, Effort(WORK), CUT_ROUNDS)
 
     def given(self, admitted: Floats) -> LpPoint | None:
         """The day at its best if just these requests are admitted; None if infeasible."""
@@ -97,16 +87,16 @@ class SampledDay:
 
     def cost_of(self, admitted: Floats, first_kw: Floats) -> float:
         """What the day costs at best if besides those present (vehicles,) draw this now, $."""
-        wished = first_kw[self.day.relaxation.columns.vehicle[self.first]]
+        wished = first_kw[self.day.columns.vehicle[self.first]]
         self.session.bound(self.first, np.maximum(0.0, wished - HAIR_KW), wished + HAIR_KW)
         point = self.given(admitted)
-        top = self.day.relaxation.program.upper[self.first]
+        top = self.day.program.upper[self.first]
         self.session.bound(self.first, np.zeros(len(top)), top)
         return np.inf if point is None else point.objective
 
     def first_kw(self, point: LpPoint) -> Floats:
         """What those present draw now at a point, (vehicles,), kW."""
-        return np.asarray(self.day.relaxation.power_kw(point.values)[: self.n_present, 0])
+        return np.asarray(self.day.power_kw(point.values)[: self.n_present, 0])
 
 
 def asked_of_all(days: Sequence[SampledDay], ask: Callable[[SampledDay], Answer]) -> list[Answer]:
@@ -167,7 +157,7 @@ def expectation_of(days: list[SampledDay], admitted: Floats) -> Expectation | No
     points = [point for point in asked if point is not None]
     if len(points) < len(days):
         return None
-    prices = [day.day.capacity_price(point) for day, point in zip(days, points, strict=True)]
+    prices = [capacity_price(day.day, point) for day, point in zip(days, points, strict=True)]
     return Expectation(
         admitted=admitted,
         costs=np.array([point.objective for point in points]),

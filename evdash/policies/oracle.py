@@ -13,7 +13,7 @@ from evdash.horizon.advance import initial_state, snapshot_of
 from evdash.scheduling.clean import cleaned
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.solver import solved
-from evdash.scheduling.foresight import known_day, known_problem
+from evdash.scheduling.foresight import known_day
 from evdash.scheduling.problem import Problem, Solution
 from evdash.scheduling.refused import alone_at_the_station
 
@@ -114,7 +114,7 @@ def _part(foresight: Foresight, snapshot: Snapshot, began: float) -> Plan:
 def _from_here(snapshot: Snapshot, inputs: Inputs) -> Foresight:
     groups = inputs.requests[snapshot.now + 1 : -1]
     coming: tuple[Request, ...] = tuple(r for group in groups for r in group)
-    problem, opens = known_problem(snapshot, coming)
-    solution = solved(known_day(problem, opens).relaxation, Effort(WORK))
+    day = known_day(snapshot, coming)
+    problem, solution = day.problem, solved(day, Effort(WORK))
     power_kw = cleaned(problem, solution.admitted, solution.power_kw)
     return Foresight(problem, Solution(solution.admitted, power_kw, solution.bound), snapshot.now)

@@ -4,103 +4,42 @@ The fast path's program with other windows. Its deadline rows go, as they count 
 being open now; its stages and cuts stay what they are.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Snapshot
 from evdash.domain.vehicles import Request
-from evdash.scheduling.fast.charges import Charges, charges_of
-from evdash.scheduling.fast.columns import Columns
 from evdash.scheduling.fast.relaxation import (
     Relaxation,
-    charger_count,
-    charger_on,
-    energy_owed,
-    feeder_limit,
+    charges_of,
+    columns_of,
     limited_slots,
-    power_only_under_contract,
     program_of,
+    rows_of,
 )
 from evdash.scheduling.highs import LpPoint
-from evdash.scheduling.problem import Bools, Ints, Problem, problem_of
-from evdash.scheduling.rows import Indices, Rows
+from evdash.scheduling.problem import problem_of
 
 
-def known_problem(snapshot: Snapshot, coming: tuple[Request, ...]) -> tuple[Problem, Ints]:
-    """P1 with those who are still to come beside those who ask now.
-
-    Also the slot in which each vehicle's window opens, (vehicles,), 0 for who is here.
-    """
+def known_day(snapshot: Snapshot, coming: tuple[Request, ...]) -> Relaxation:
+    """P1's relaxation with those who are still to come beside those who ask now."""
     problem = problem_of(replace(snapshot, requests=(*snapshot.requests, *coming)))
-    arrival = {request.vehicle: request.arrival_interval for request in coming}
-    opens = [max(0, arrival.get(name, 0) - snapshot.now) for name in problem.vehicles]
-    return problem, np.array(opens, dtype=np.int64)
+    charges, headroom_kw = charges_of(problem), problem.rows.headroom_kw()
+    open_windows = problem.window & charges.servable[:, None]
+    crowded = np.asarray(open_windows.sum(axis=0) > problem.chargers)
+    at = columns_of(problem, crowded)
+    rows, own = rows_of(problem, charges, at, headroom_kw, crowded)
+    program, shared = program_of(problem, charges, at, rows), slice(own, rows.count)
+    return Relaxation(problem, charges, headroom_kw, crowded, at, program, shared)
 
 
-@dataclass(frozen=True, slots=True)
-class KnownDay:
-    """The linear program of P1 with everyone known, and which of its rows are scarce capacity.
-
-    `feeder_rows` (limited slots,) belong to the slots `limited`, `charger_rows` to those where
-    chargers can bind.
-    """
-
-    relaxation: Relaxation
-    limited: Indices
-    feeder_rows: Indices
-    charger_rows: Indices
-
-    def capacity_price(self, point: LpPoint) -> tuple[Floats, Floats]:
-        """What one kWh of headroom, $/kWh, and one charger, $, is worth in each slot, (slots,)."""
-        relaxation = self.relaxation
-        n_slots, hours = relaxation.problem.n_slots, relaxation.problem.interval_hours
-        headroom, charger = np.zeros(n_slots), np.zeros(n_slots)
-        headroom[self.limited] = -point.row_dual[self.feeder_rows] / hours
-        charger[relaxation.charger_slots] = -point.row_dual[self.charger_rows]
-        return headroom, charger
-
-
-def known_day(problem: Problem, opens: Ints) -> KnownDay:
-    """The linear program of a problem whose windows open at `opens` (vehicles,)."""
-    headroom_kw = problem.rows.headroom_kw()
-    charges = _within_windows(problem, opens)
-    window = problem.window & (np.arange(problem.n_slots) >= opens[:, None])
-    slots = _crowded(problem, charges, window)
-    at = _columns(window, slots)
-    rows = Rows()
-    energy_owed(rows, at, charges)
-    charger_on(rows, at, charges, problem)
-    power_only_under_contract(rows, at, charges, problem)
-    above = rows.count
-    feeder_limit(rows, at, charges, headroom_kw)
-    between = rows.count
-    charger_count(rows, at, problem, slots)
-    program = program_of(problem, charges, at, rows)
-    return KnownDay(
-        Relaxation(problem, charges, headroom_kw, slots, at, program, slice(above, rows.count)),
-        limited_slots(at, charges, headroom_kw),
-        np.arange(above, between),
-        np.arange(between, rows.count),
-    )
-
-
-def _within_windows(problem: Problem, opens: Ints) -> Charges:
-    charges = charges_of(problem)
-    slots = np.maximum(0, charges.slots - opens)
-    return replace(charges, slots=slots, servable=charges.servable & (charges.fewest <= slots))
-
-
-def _crowded(problem: Problem, charges: Charges, window: Bools) -> Bools:
-    """Slots with more windows open than chargers, (slots,)."""
-    count = (window & charges.servable[:, None]).sum(axis=0)
-    return np.asarray(count > problem.chargers)
-
-
-def _columns(window: Bools, charger_slots: Bools) -> Columns:
-    vehicle, slot = np.nonzero(window)
-    with_d = charger_slots[slot]
-    d = np.where(with_d, len(vehicle) + np.cumsum(with_d) - 1, -1)
-    u = len(vehicle) + int(with_d.sum()) + np.arange(len(window))
-    return Columns(vehicle, slot, d, u)
+def capacity_price(day: Relaxation, point: LpPoint) -> tuple[Floats, Floats]:
+    """What one kWh of headroom, $/kWh, and one charger, $, is worth in each slot, (slots,)."""
+    headroom, charger = np.zeros((2, day.problem.n_slots))
+    limited = limited_slots(day.columns, day.charges, day.headroom_kw)
+    for_feeder, for_chargers = np.split(point.row_dual[day.shared], [len(limited)])
+    headroom[limited] = -for_feeder / day.problem.interval_hours
+    charger[day.charger_slots] = -for_chargers
+    return headroom, charger

@@ -6,8 +6,7 @@ from scipy.sparse import csr_matrix, vstack
 from evdash.domain.limits import Floats
 from evdash.domain.tariff import Tariff
 from evdash.scheduling.effort import Effort
-from evdash.scheduling.fast.relaxation import Relaxation
-from evdash.scheduling.fast.solver import made_from
+from evdash.scheduling.fast.relaxation import Relaxation, made_from
 from evdash.scheduling.highs import SEMI_CONTINUOUS, WHOLE, Kinds, LinearProgram, Session
 from evdash.scheduling.problem import Problem
 from evdash.scheduling.rows import Indices, Rows

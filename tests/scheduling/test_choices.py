@@ -8,7 +8,7 @@ import pytest
 
 from evdash.scheduling.fast import choices
 from evdash.scheduling.fast.choices import Knapsacks, Prices, knapsacks_of, listed
-from evdash.scheduling.fast.solver import made_from
+from evdash.scheduling.fast.relaxation import made_from
 from tests.scheduling.problems import random_problem
 
 

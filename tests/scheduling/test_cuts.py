@@ -9,10 +9,8 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.tariff import Tariff
 from evdash.scheduling.effort import Effort
-from evdash.scheduling.fast.charges import charges_of
 from evdash.scheduling.fast.choices import Prices
-from evdash.scheduling.fast.relaxation import Relaxation, relaxation_of
-from evdash.scheduling.fast.relevance import charger_slots
+from evdash.scheduling.fast.relaxation import Relaxation, charges_of, contested_slots, relaxation_of
 from evdash.scheduling.fast.rounding import violated_cuts
 from evdash.scheduling.fast.solver import search_over
 from evdash.scheduling.problem import Problem
@@ -24,7 +22,7 @@ HAIR = 1e-7
 def relaxed(problem: Problem, everywhere: bool) -> Relaxation:
     """The relaxation, with D in every slot or only where chargers can bind."""
     charges, headroom = charges_of(problem), problem.rows.headroom_kw()
-    slots = charger_slots(problem, charges, headroom)
+    slots = contested_slots(problem, charges, headroom)
     return relaxation_of(problem, charges, headroom, slots | everywhere)
 
 
@@ -197,7 +195,7 @@ def test_chargers_are_dropped_only_where_they_cannot_bind():
     for _ in range(300):
         problem = random_problem(rng)
         charges, headroom = charges_of(problem), problem.rows.headroom_kw()
-        kept = charger_slots(problem, charges, headroom)
+        kept = contested_slots(problem, charges, headroom)
         for slot in np.flatnonzero(~kept):
             able = charges.servable & (problem.intervals_left > slot)
             lowest = np.sort(problem.low_kw[able])[: problem.chargers + 1]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from evdash.scheduling.effort import Effort
-from evdash.scheduling.fast.pricing import added_cost, priced_columns
-from evdash.scheduling.fast.relaxation import Relaxation
+from evdash.scheduling.fast.branch import added_cost, priced_columns
+from evdash.scheduling.fast.relaxation import Relaxation, made_from
 from evdash.scheduling.fast.search import CUT_ROUNDS, Search
-from evdash.scheduling.fast.solver import made_from, search_over
+from evdash.scheduling.fast.solver import search_over
 from evdash.scheduling.highs import LpPoint
 from tests.scheduling.problems import random_problem
 

@@ -7,9 +7,9 @@ import numpy as np
 from scipy.sparse import csr_matrix, hstack
 
 from evdash.scheduling.effort import Effort
-from evdash.scheduling.fast.relaxation import Relaxation, limited_slots
+from evdash.scheduling.fast.relaxation import Relaxation, limited_slots, made_from
 from evdash.scheduling.fast.search import CUT_ROUNDS
-from evdash.scheduling.fast.solver import made_from, search_over
+from evdash.scheduling.fast.solver import search_over
 from evdash.scheduling.highs import LinearProgram, Session
 from evdash.scheduling.problem import Problem
 

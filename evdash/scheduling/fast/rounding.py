@@ -14,11 +14,29 @@ These few rows take almost all of the difficulty out of D's integrality.
 import numpy as np
 
 from evdash.domain.limits import Floats
+from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation
+from evdash.scheduling.highs import LpPoint, Session
 from evdash.scheduling.rows import Rows
 
 VIOLATION_SLOTS = 1e-3
 """How far Σ must lie below m·u for a cut to be worth a row."""
+
+
+def relaxed_and_cut(
+    relaxation: Relaxation, session: Session, effort: Effort, rounds: int
+) -> LpPoint | None:
+    """The LP's optimum as the session stands, its point cut off so often at most; None if none."""
+    point = session.relaxed(effort)
+    for _ in range(rounds):
+        if point is None:
+            break
+        cuts = violated_cuts(relaxation, point.values)
+        if cuts.count == 0:
+            break
+        session.add_rows(cuts.matrix(relaxation.columns.total), *cuts.limits())
+        point = session.relaxed(effort)
+    return point
 
 
 def violated_cuts(relaxation: Relaxation, values: Floats) -> Rows:

@@ -7,7 +7,7 @@ import numpy as np
 from evdash.domain.limits import Floats
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation
-from evdash.scheduling.fast.rounding import violated_cuts
+from evdash.scheduling.fast.rounding import relaxed_and_cut
 from evdash.scheduling.highs import LpPoint, Session
 from evdash.scheduling.problem import TIE_USD, Bools, Problem, Solution
 
@@ -54,16 +54,7 @@ class Search:
 
     def relaxed(self, cut_rounds: int = 0) -> LpPoint | None:
         """The LP under the bounds now set, cut off where its point violates vehicle cuts."""
-        point = self.session.relaxed(self.effort)
-        for _ in range(cut_rounds):
-            if point is None:
-                break
-            cuts = violated_cuts(self.relaxation, point.values)
-            if cuts.count == 0:
-                break
-            self.session.add_rows(cuts.matrix(self.relaxation.columns.total), *cuts.limits())
-            point = self.session.relaxed(self.effort)
-        return point
+        return relaxed_and_cut(self.relaxation, self.session, self.effort, cut_rounds)
 
     def conflicts(self, values: Floats) -> tuple[Bools, Bools]:
         """What keeps a point with u whole from being one of P1.
