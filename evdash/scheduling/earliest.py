@@ -4,9 +4,8 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.scheduling.effort import Effort
-from evdash.scheduling.highs import LinearProgram, Session
+from evdash.scheduling.highs import LinearProgram, Rows, Session
 from evdash.scheduling.problem import Bools, Problem
-from evdash.scheduling.rows import Rows
 
 
 def earliest_first(

@@ -1,12 +1,15 @@
-"""HiGHS by arrays: a linear or mixed-integer program in, values and proven bound out."""
+"""HiGHS by arrays: a linear or mixed-integer program in, values and proven bound out.
+
+Its rows are gathered block by block as arrays, in `Rows`.
+"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import highspy
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
 
 from evdash.domain.limits import Floats
@@ -14,6 +17,9 @@ from evdash.errors import SolverFailure
 from evdash.scheduling.effort import ITERATIONS, Effort, Meter
 
 TOLERANCE = 1e-9
+Indices = NDArray[np.intp]
+Entries = tuple[Indices, Indices, ArrayLike]
+"""Row within the block, column, coefficient; the coefficient may be one number for all."""
 Kinds = NDArray[np.uint8]
 WHOLE, SEMI_CONTINUOUS = 1, 2
 """Kinds of columns, 0 for any other; a semi-continuous one is 0 or within its bounds."""
@@ -33,6 +39,51 @@ OPTIONS: Mapping[str, Any] = {
     "dual_feasibility_tolerance": TOLERANCE,
     "mip_feasibility_tolerance": TOLERANCE,
 }
+
+
+@dataclass(slots=True)
+class Rows:
+    """Blocks of rows so far; `add` appends one."""
+
+    count: int = 0
+    row: list[Indices] = field(default_factory=list)
+    column: list[Indices] = field(default_factory=list)
+    value: list[Floats] = field(default_factory=list)
+    lower: list[Floats] = field(default_factory=list)
+    upper: list[Floats] = field(default_factory=list)
+
+    def add(self, n_rows: int, lower: ArrayLike, upper: ArrayLike, *blocks: Entries) -> None:
+        """Append `n_rows` rows: lower ≤ Σ blocks ≤ upper."""
+        for row, column, value in blocks:
+            self.row.append(row + self.count)
+            self.column.append(column)
+            self.value.append(_spread(value, len(row)))
+        self.lower.append(_spread(lower, n_rows))
+        self.upper.append(_spread(upper, n_rows))
+        self.count += n_rows
+
+    def limits(self) -> tuple[Floats, Floats]:
+        """Lower and upper limit of every row so far."""
+        if self.count == 0:
+            return np.empty(0), np.empty(0)
+        return np.concatenate(self.lower), np.concatenate(self.upper)
+
+    def matrix(self, n_columns: int) -> csr_matrix:
+        """All rows so far as one sparse matrix; a column appears once in a row."""
+        if self.count == 0:
+            return csr_matrix((0, n_columns))
+        row, value = np.concatenate(self.row), np.concatenate(self.value)
+        order = np.argsort(row, kind="stable")
+        starts = np.zeros(self.count + 1, dtype=np.int32)
+        np.cumsum(np.bincount(row, minlength=self.count), out=starts[1:])
+        columns = np.concatenate(self.column)[order].astype(np.int32)
+        return csr_matrix((value[order], columns, starts), shape=(self.count, n_columns))
+
+
+def _spread(value: ArrayLike, length: int) -> Floats:
+    array = np.empty(length)
+    array[:] = value
+    return array
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,16 @@ from evdash.domain.limits import Floats
 from evdash.domain.tariff import Tariff
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation, made_from
-from evdash.scheduling.highs import SEMI_CONTINUOUS, WHOLE, Kinds, LinearProgram, Session
+from evdash.scheduling.highs import (
+    SEMI_CONTINUOUS,
+    WHOLE,
+    Indices,
+    Kinds,
+    LinearProgram,
+    Rows,
+    Session,
+)
 from evdash.scheduling.problem import Problem
-from evdash.scheduling.rows import Indices, Rows
 
 NODES = 200
 GAP_USD = 0.02

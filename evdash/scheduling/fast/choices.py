@@ -13,9 +13,8 @@ import numpy as np
 
 from evdash.domain.limits import Floats
 from evdash.scheduling.fast.relaxation import Relaxation
-from evdash.scheduling.highs import LpPoint
+from evdash.scheduling.highs import Indices, LpPoint
 from evdash.scheduling.problem import Bools
-from evdash.scheduling.rows import Indices
 
 MOST = 100_000
 """A list may not grow longer than this."""

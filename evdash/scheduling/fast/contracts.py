@@ -15,9 +15,8 @@ from evdash.scheduling.fast.branch import HAIR_USD, by_guessing
 from evdash.scheduling.fast.choices import Choices, Knapsacks, Prices, knapsacks_of, listed
 from evdash.scheduling.fast.recourse import completed
 from evdash.scheduling.fast.search import CUT_ROUNDS, Search, is_whole
-from evdash.scheduling.highs import LpPoint
+from evdash.scheduling.highs import Indices, LpPoint
 from evdash.scheduling.problem import Bools
-from evdash.scheduling.rows import Indices
 
 GUESSES_USD = (0.1, 0.4, 1.6, 6.4, np.inf)
 """How far above the LP the best choice is looked for, one after the other."""

@@ -13,9 +13,8 @@ from evdash.scheduling.fast.branch import (
     cost_of_running,
 )
 from evdash.scheduling.fast.search import CUT_ROUNDS, RUNNING_KW, Search
-from evdash.scheduling.highs import LpPoint
+from evdash.scheduling.highs import Indices, LpPoint
 from evdash.scheduling.problem import TIE_USD, Bools
-from evdash.scheduling.rows import Indices
 
 NODES = 500
 DIVE_LPS = 40

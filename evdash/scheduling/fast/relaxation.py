@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.domain.limits import Floats
-from evdash.scheduling.highs import LinearProgram
+from evdash.scheduling.highs import Indices, LinearProgram, Rows
 from evdash.scheduling.problem import Bools, Ints, Problem
-from evdash.scheduling.rows import Indices, Rows
 
 WHOLE = 1e-9
 """Keeps 5.000000000000001 slots at 5."""

@@ -16,8 +16,7 @@ import numpy as np
 from evdash.domain.limits import Floats
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation
-from evdash.scheduling.highs import LpPoint, Session
-from evdash.scheduling.rows import Rows
+from evdash.scheduling.highs import LpPoint, Rows, Session
 
 VIOLATION_SLOTS = 1e-3
 """How far Σ must lie below m·u for a cut to be worth a row."""
