@@ -9,7 +9,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.tariff import Tariff
 from evdash.scheduling.effort import Effort
-from evdash.scheduling.fast.choices import Prices
+from evdash.scheduling.fast.candidates import Prices
 from evdash.scheduling.fast.relaxation import Relaxation, charges_of, contested_slots, relaxation_of
 from evdash.scheduling.fast.rounding import violated_cuts
 from evdash.scheduling.fast.solver import search_over
@@ -176,8 +176,7 @@ def test_no_lp_prices_a_choice_of_contracts_too_high(seed):
             decided, value = rng.random(n) < 0.4, rng.integers(0, 2, n)
             lower = np.where(contract | (decided & (value == 1)), 1.0, 0.0)
             upper = np.where(~contract & decided & (value == 0), 0.0, program.upper[at.u])
-            search.session.bound(at.u, np.minimum(lower, upper), upper)
-            point = search.relaxed(4)
+            point = search.relaxed(np.minimum(lower, upper), upper, 4)
             if point is not None:
                 prices.learn(point.values[at.u], point, point.reduced_cost[at.u])
         for _ in range(4):

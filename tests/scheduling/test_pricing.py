@@ -18,8 +18,7 @@ HAIR = 1e-7
 
 def over(search: Search, lower: np.ndarray, upper: np.ndarray) -> LpPoint | None:
     """The LP over these bounds on u, cut where it can be."""
-    search.session.bound(search.relaxation.columns.u, lower, upper)
-    return search.relaxed(CUT_ROUNDS)
+    return search.relaxed(lower, upper, CUT_ROUNDS)
 
 
 def choices_of(relaxation: Relaxation) -> list[np.ndarray]:
@@ -100,7 +99,8 @@ def test_an_lp_is_worth_its_shared_limits_at_their_duals_and_each_vehicles_part(
     for _ in range(40):
         relaxation = made_from(random_problem(rng))
         search, program = search_over(relaxation, Effort()), relaxation.program
-        point = search.relaxed(CUT_ROUNDS)
+        u = relaxation.columns.u
+        point = over(search, program.lower[u], program.upper[u])
         if point is None:
             continue
         limit = np.nan_to_num(program.row_upper[relaxation.shared], posinf=0.0)

@@ -1,4 +1,4 @@
-"""Branch and bound by HiGHS over what is left open: for master, recourse and the full problem.
+"""Branch and bound by HiGHS over what is left open: for master, schedule and the full problem.
 
 Before it, what each request and each pair adds to the cost at least settles what need not be open.
 """

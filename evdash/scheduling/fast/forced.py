@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_matrix, hstack
 
+from evdash.domain.limits import Floats
 from evdash.scheduling.effort import Effort
 from evdash.scheduling.fast.relaxation import Relaxation, limited_slots, made_from
 from evdash.scheduling.fast.search import CUT_ROUNDS
@@ -28,9 +29,8 @@ def lp_bound_with(problem: Problem, vehicle: str) -> float:
     n = problem.vehicles.index(vehicle)
     if not search.relaxation.charges.servable[n]:
         return np.inf
-    one = np.ones(1)
-    search.session.bound(search.relaxation.columns.u[n : n + 1], one, one)
-    point = search.relaxed(CUT_ROUNDS)
+    u, program = search.relaxation.columns.u, search.relaxation.program
+    point = search.relaxed(_with(program.lower[u], n), program.upper[u], CUT_ROUNDS)
     if point is None:
         return np.inf if search.session.infeasible else -np.inf
     return point.objective
@@ -54,6 +54,13 @@ def least_headroom_kw(problem: Problem, vehicle: str, slots: Sequence[int]) -> f
     return point.objective
 
 
+def _with(lower: Floats, one: int) -> Floats:
+    """Lower bounds with that of one u at 1: its vehicle is in."""
+    lower = lower.copy()
+    lower[one] = 1.0
+    return lower
+
+
 def _headroom_bought(relaxation: Relaxation, n: int, slots: Sequence[int]) -> LinearProgram:
     """The least of one more column, added to the headroom in `slots`, with vehicle `n` in."""
     at, program = relaxation.columns, relaxation.program
@@ -65,13 +72,11 @@ def _headroom_bought(relaxation: Relaxation, n: int, slots: Sequence[int]) -> Li
     # what else is shared counts on the headroom as it is, or is said by D, too
     n_crowded = int(relaxation.charger_slots.sum())
     row_upper[relaxation.shared.start + len(limited) + n_crowded : relaxation.shared.stop] = np.inf
-    lower = program.lower.copy()
-    lower[at.u[n]] = 1.0
     return replace(
         program,
         cost=np.append(np.zeros(at.total), 1.0),
         matrix=csr_matrix(hstack([program.matrix, csr_matrix(ones, shape=(len(row_upper), 1))])),
         row_upper=row_upper,
-        lower=np.append(lower, 0.0),
+        lower=np.append(_with(program.lower, at.u[n]), 0.0),
         upper=np.append(program.upper, np.inf),
     )

@@ -52,8 +52,9 @@ class Search:
         if cost < self.cost:
             self.admitted, self.power_kw, self.cost = admitted, power_kw, cost
 
-    def relaxed(self, cut_rounds: int = 0) -> LpPoint | None:
-        """The LP under the bounds now set, cut off where its point violates vehicle cuts."""
+    def relaxed(self, lower: Floats, upper: Floats, cut_rounds: int = 0) -> LpPoint | None:
+        """The LP over lower ≤ u ≤ upper, (vehicles,), cut off where its point violates cuts."""
+        self.session.bound(self.relaxation.columns.u, lower, upper)
         return relaxed_and_cut(self.relaxation, self.session, self.effort, cut_rounds)
 
     def conflicts(self, values: Floats) -> tuple[Bools, Bools]:

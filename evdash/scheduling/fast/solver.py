@@ -1,4 +1,4 @@
-"""P1 solved exactly and fast: relaxation, contracts, recourse; what stays open all at once.
+"""P1 solved exactly and fast: relaxation, contracts, schedules; what stays open all at once.
 
 Every stage works on one program, held open in HiGHS. A point is proven once it costs no more
 than TIE_USD above the bound, and the stages end there. Limits are numbers of branch-and-bound
@@ -19,8 +19,8 @@ from evdash.scheduling.fast.branch import (
     settled_by_reduced_costs,
 )
 from evdash.scheduling.fast.contracts import search_contracts
-from evdash.scheduling.fast.recourse import schedule_for
 from evdash.scheduling.fast.relaxation import Relaxation, made_from
+from evdash.scheduling.fast.schedules import schedule_for
 from evdash.scheduling.fast.search import CUT_ROUNDS, WHOLE_U, Search, is_whole
 from evdash.scheduling.highs import LpPoint, Session
 from evdash.scheduling.problem import Problem, Solution
@@ -63,7 +63,8 @@ def search_over(relaxation: Relaxation, effort: Effort) -> Search:
 
 def relaxation_solved(search: Search) -> LpPoint | None:
     """The LP under vehicle cuts: the first bound. Raises SolverFailure if it is infeasible."""
-    root = search.relaxed(CUT_ROUNDS)
+    at, program = search.relaxation.columns, search.relaxation.program
+    root = search.relaxed(program.lower[at.u], program.upper[at.u], CUT_ROUNDS)
     if search.session.infeasible:
         raise SolverFailure("no schedule keeps all contracts")
     if root is not None:
@@ -77,7 +78,7 @@ def nobody_new(relaxation: Relaxation, root: LpPoint) -> bool:
     return bool((root.values[requests] <= WHOLE_U).all())
 
 
-def master_and_recourse(search: Search, root: LpPoint) -> None:
+def master_and_schedule(search: Search, root: LpPoint) -> None:
     """The contracts all at once by HiGHS, then their schedule."""
     u = contracts_chosen(search, root)
     if u is not None:
@@ -125,4 +126,4 @@ def everything_open(search: Search, root: LpPoint) -> None:
     search.bound = max(search.bound, min(outcome.bound, search.cost))
 
 
-STAGES = (search_contracts, master_and_recourse, everything_open)
+STAGES = (search_contracts, master_and_schedule, everything_open)

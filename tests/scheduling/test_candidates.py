@@ -6,8 +6,8 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from evdash.scheduling.fast import choices
-from evdash.scheduling.fast.choices import Knapsacks, Prices, knapsacks_of, listed
+from evdash.scheduling.fast import candidates
+from evdash.scheduling.fast.candidates import Knapsacks, Prices, knapsacks_of, listed
 from evdash.scheduling.fast.relaxation import made_from
 from tests.scheduling.problems import random_problem
 
@@ -45,9 +45,9 @@ def test_a_list_that_grows_too_long_is_none():
         Prices(np.zeros((1, 8)), np.zeros(1)),
         Knapsacks(np.empty((0, 8)), np.empty(0)),
     )
-    with patch.object(choices, "MOST", 255):
+    with patch.object(candidates, "MOST", 255):
         assert listed(prices, no_rows, 1.0) is None
-    with patch.object(choices, "MOST", 256):
+    with patch.object(candidates, "MOST", 256):
         found = listed(prices, no_rows, 1.0)
     assert found is not None
     assert len(found.x) == 256

@@ -1,4 +1,4 @@
-"""The contracts chosen, when does who charge? Recourse: u fixed, most of D settled by the LP."""
+"""The contracts chosen, when does who charge? With u fixed, the LP settles most of D."""
 
 from dataclasses import dataclass
 
@@ -23,8 +23,7 @@ GUESSES_USD = (0.1, np.inf)
 
 def schedule_for(search: Search, u: Floats) -> float:
     """Offer the cheapest schedule found for contracts `u` (vehicles,); a bound on their cost, $."""
-    search.session.bound(search.relaxation.columns.u, u, u)
-    lp = search.relaxed(CUT_ROUNDS)
+    lp = search.relaxed(u, u, CUT_ROUNDS)
     if lp is None:
         return np.inf if search.session.infeasible else -np.inf
     return completed(search, u, lp)
@@ -37,8 +36,7 @@ def completed(search: Search, u: Floats, lp: LpPoint) -> float:
     last over all pairs; each only if the one before did not reach the LP's bound.
     """
     target = max(search.bound, lp.objective) + TIE_USD
-    search.session.bound(search.relaxation.columns.u, u, u)
-    rounded(search, lp, target)
+    rounded(search, u, lp, target)
     if search.cost > target and not search.effort.is_spent:
         around(search, u, lp, target)
     if search.cost > target and not search.effort.is_spent:
@@ -86,7 +84,7 @@ class Rounding:
         return Rounding(lower, upper)
 
 
-def rounded(search: Search, lp: LpPoint, ceiling: float) -> None:
+def rounded(search: Search, u: Floats, lp: LpPoint, ceiling: float) -> None:
     """Dive: switch conflicting pairs on or off, solve the LP again, until no conflict is left.
 
     All conflicts at once; where that costs more than `ceiling`, the surest few, then the surest
@@ -109,7 +107,7 @@ def rounded(search: Search, lp: LpPoint, ceiling: float) -> None:
             chosen, is_on = pairs[:taken], on[:taken] == as_they_are
             attempt = bounds.switched(chosen[is_on], chosen[~is_on], low)
             search.session.bound(np.arange(at.n_pairs), attempt.lower, attempt.upper)
-            point = search.relaxed()
+            point = search.relaxed(u, u)
             solved += 1
             if point is not None and point.objective <= ceiling:
                 bounds, values = attempt, point.values

@@ -1,9 +1,9 @@
 """The choices of contracts that could be best, listed, each with a bound on what it costs.
 
-A choice says of every request in doubt whether it is admitted. Inequalities in u alone tell
-most choices apart from the best without any LP: rows of the program that hold no other variable
-(`deadlines.py`), and prices that LPs already solved put on every other choice. Choices are
-listed request by request, and a part of one is dropped as soon as no completion can be
+A candidate says of every request in doubt whether it is admitted. Inequalities in u alone tell
+most apart from the best without any LP: rows of the program that hold no other variable, such as
+those by deadlines, and prices that LPs already solved put on every other candidate. Candidates
+are listed request by request, and a part of one is dropped as soon as no completion can be
 possible and cheap. What is left over is short, even where 2ⁿ is not.
 """
 
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.domain.limits import Floats
+from evdash.scheduling.fast.branch import HAIR_USD
 from evdash.scheduling.fast.relaxation import Relaxation
 from evdash.scheduling.highs import Indices, LpPoint
 from evdash.scheduling.problem import Bools
@@ -19,12 +20,12 @@ from evdash.scheduling.problem import Bools
 MOST = 100_000
 """A list may not grow longer than this."""
 ROOM = 1e-6
-"""Keeps rounding from ruling out a choice that fills a row to the last bit."""
+"""Keeps rounding from ruling out a candidate that fills a row to the last bit."""
 
 
 @dataclass(frozen=True, slots=True)
 class Knapsacks:
-    """Rows weight·x ≤ room that every possible choice x keeps, beside the contracts.
+    """Rows weight·x ≤ room that every possible candidate x keeps, beside the contracts.
 
     Shapes: weight (rows, requests), at least 0; room (rows,).
     """
@@ -45,7 +46,7 @@ def knapsacks_of(relaxation: Relaxation, doubt: Indices) -> Knapsacks:
 
 @dataclass(slots=True)
 class Prices:
-    """What LPs already solved say of any choice x: cost ≥ offset + slope·x, $.
+    """What LPs already solved say of any candidate x: cost ≥ offset + slope·x, $.
 
     An LP's duals stay feasible whatever the bounds on u, so that its reduced costs price every
     u: the optimality cuts of Benders' method. Shapes: slope (LPs, requests), offset (LPs,).
@@ -60,13 +61,13 @@ class Prices:
         self.offset = np.append(self.offset, point.objective - float(reduced_cost @ x))
 
     def latest(self, x: Bools) -> Floats:
-        """What the LP learned last says of choices x (choices, requests)."""
+        """What the LP learned last says of candidates x (candidates, requests)."""
         return np.asarray(x @ self.slope[-1] + self.offset[-1])
 
 
 @dataclass(slots=True)
-class Choices:
-    """Listed choices. `x` (choices, requests), `bound` (choices,): none is cheaper than its, $."""
+class Candidates:
+    """`x` (candidates, requests), `bound` (candidates,): none is cheaper than its, $."""
 
     x: Bools
     bound: Floats
@@ -75,9 +76,22 @@ class Choices:
         """Forget all but these."""
         self.x, self.bound = self.x[which], self.bound[which]
 
+    def lift(self, which: Bools, bound: float) -> None:
+        """None of these is cheaper than this, $."""
+        self.bound[which] = np.maximum(self.bound[which], bound)
 
-def listed(prices: Prices, knapsacks: Knapsacks, below: float) -> Choices | None:
-    """All choices that keep the rows and are not priced at `below` $ or more; None if too many."""
+    def first(self, near: Floats) -> int:
+        """The one of lowest bound; of equals the nearest to `near` (requests,)."""
+        lowest = np.flatnonzero(self.bound <= self.bound.min() + HAIR_USD)
+        return int(lowest[np.abs(self.x[lowest] - near).sum(axis=1).argmin()])
+
+    def admitting(self, requests: Bools) -> Bools:
+        """Which of them, (candidates,), admit all of these requests (requests,)."""
+        return np.asarray(self.x[:, requests].all(axis=1))
+
+
+def listed(prices: Prices, knapsacks: Knapsacks, below: float) -> Candidates | None:
+    """All candidates that keep the rows, priced below `below`, $; None if they are too many."""
     order = np.lexsort([-knapsacks.weight.sum(axis=0), -np.abs(prices.slope).max(axis=0)])
     slope, weight = prices.slope[:, order], knapsacks.weight[:, order]
     # the least that what is still to be chosen can add
@@ -95,13 +109,13 @@ def listed(prices: Prices, knapsacks: Knapsacks, below: float) -> Choices | None
             return None
         priced, filled = priced[:, keep], filled[:, keep]
         kept.append(keep)
-    choices = Choices(_decoded(kept, order), priced.max(axis=0))
-    choices.keep(choices.bound < below)
-    return choices
+    candidates = Candidates(_decoded(kept, order), priced.max(axis=0))
+    candidates.keep(candidates.bound < below)
+    return candidates
 
 
 def _decoded(kept: list[Indices], order: Indices) -> Bools:
-    """The choices from what was kept at each request, the last first."""
+    """The candidates from what was kept at each request, the last first."""
     lengths = [1, *map(len, kept)]
     x = np.zeros((lengths[-1], len(order)), dtype=bool)
     at = np.arange(lengths[-1])
