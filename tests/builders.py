@@ -3,13 +3,14 @@
 Everything goes through `validate`, so that no test runs on input a user could not give.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
 from hypothesis import strategies as st
 
+from evdash.domain.elements import Element
 from evdash.domain.scenario import Scenario
 from evdash.files.validate import validate
 
@@ -195,3 +196,8 @@ def scenarios(
         interval_minutes=minutes,
         intervals=intervals,
     )
+
+
+def names(elements: Iterable[Element | None]) -> tuple[str, ...]:
+    """Elements as files name them."""
+    return tuple(str(element) for element in elements)

@@ -219,7 +219,7 @@ class Day:
     @cached_property
     def binding(self) -> pd.DataFrame:
         """Which limit is tightest, and which is reached, in which interval; `binding.csv`."""
-        return frame(BindingRow, binding_rows(binding_elements(self.trace)))
+        return frame(BindingRow, binding_rows(self.trace.scenario, binding_elements(self.trace)))
 
     @cached_property
     def revisions(self) -> pd.DataFrame:

@@ -19,6 +19,7 @@ from evdash.audit.station import limit_findings, station_findings, voltage_findi
 from evdash.audit.summary import summary_findings, voltage_error_pu
 from evdash.checker.feeder import FeederCheck
 from evdash.domain.breach import Breach
+from evdash.domain.elements import CHARGERS
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 from evdash.grid.acbreaches import TOLERANCE_KVA, TOLERANCE_PU, ac_breaches
@@ -85,7 +86,7 @@ def _charger_breaches(run: RunRecord) -> tuple[Breach, ...]:
         for t, count in enumerate((powers > 0).sum(axis=0))
     ]
     return tuple(
-        Breach(t, "chargers", float(more), 0.0, "vehicles", 0.0) for t, more in over if more > 0
+        Breach(t, CHARGERS, float(more), 0.0, "vehicles", 0.0) for t, more in over if more > 0
     )
 
 

@@ -3,6 +3,8 @@
 from evdash.domain.events import Event
 from evdash.domain.scenario import ProfileRow, Scenario
 
+HEADER = 1
+"""Rows of a table before its first, as where a line is called `line:row 2`."""
 CUTS = ("no_show", "leaves_early", "late")
 
 
@@ -76,12 +78,11 @@ def _rated(scenario: Scenario, interval: int) -> Scenario:
     ratings = {event.subject: event.value for event in known if event.event == "rating"}
     if not ratings:
         return scenario
-    lines = [
-        line.model_copy(update={"rating_kva": ratings[f"line:{line.name}"]})
-        if f"line:{line.name}" in ratings
-        else line
-        for line in scenario.lines
-    ]
+    lines = list(scenario.lines)
+    for row, line in enumerate(lines):
+        for name in (f"line:{line.name}", f"line:row {row + HEADER + 1}"):
+            if name in ratings:
+                lines[row] = line.model_copy(update={"rating_kva": ratings[name]})
     nodes = [
         node.model_copy(update={"rating_kva": ratings[f"node:{node.node}"]})
         if f"node:{node.node}" in ratings

@@ -6,7 +6,8 @@ a feeder that cannot carry a vehicle alone. The others compare plans that are in
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 
 import numpy as np
 
@@ -14,9 +15,11 @@ from evdash.audit.asked import Asked
 from evdash.audit.moments import Moment, Owed
 from evdash.audit.objective import SOLVES_P1
 from evdash.audit.record import RunRecord, kind_of
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 from evdash.domain.plan import is_outside
 from evdash.domain.refusal import CLAUSES, RefusalKind, RefusalReason
+from evdash.domain.scenario import Scenario
 from evdash.files.run_tables import VehicleRow
 
 DOORS: frozenset[str] = frozenset(
@@ -123,6 +126,13 @@ def _refused(
         yield f"{one.vehicle}: reason is {row.reason!r}, which names nobody admitted beside it"
 
 
+def _elements(scenario: Scenario, names: Iterable[str]) -> Iterator[Element]:
+    """The elements of some names; those that name none are found fault with elsewhere."""
+    for name in names:
+        with suppress(ValueError):
+            yield scenario.rated_elements.get(name) or Element.read(name)
+
+
 def _by_feeder(run: RunRecord, one: Owed, row: VehicleRow, kind: RefusalKind) -> Iterator[str]:
     """Whether a vehicle alone fits under the headroom, which is known as nothing happens later."""
     told = run.intervals[one.first : one.deadline]
@@ -131,7 +141,8 @@ def _by_feeder(run: RunRecord, one: Owed, row: VehicleRow, kind: RefusalKind) ->
     short = Counter(
         r.binding for r, room in zip(told, room_kw, strict=True) if room < min(one.max_kw, mean_kw)
     )
-    feeder = RefusalReason("feeder", elements=tuple(name for name, _ in short.most_common()))
+    named = _elements(run.scenario, [name for name, _ in short.most_common()])
+    feeder = RefusalReason("feeder", elements=tuple(named))
     tight, wide = (_fits(one, room_kw + slack, mean_kw) for slack in (-ROUNDING_KW, ROUNDING_KW))
     if not wide and row.reason != str(feeder):
         yield f"{one.vehicle}: reason is {row.reason!r}, worked out again {feeder}"

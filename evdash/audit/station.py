@@ -72,7 +72,8 @@ def limit_findings(run: RunRecord, breaches: Breaches, reached: Breaches) -> Ite
     within = np.where(limited, headroom, 0.0)
     beyond = np.where(limited, np.nan_to_num(headroom * more) + STEP_KW, 0.0)
     too_high = {b.interval for b in breaches(within * (1 - 1e-9)) if b.by_station}
-    bind = {(b.interval, b.limit) for b in reached(beyond) if _is_worsened(b)}
+    name = run.scenario.file_name
+    bind = {(b.interval, name(b.element.import_side)) for b in reached(beyond) if _is_worsened(b)}
     for t in np.flatnonzero(limited):
         if headroom[t] < 0:
             yield f"interval {t}: headroom_kw is {headroom[t]:g}, should be at least 0"

@@ -98,7 +98,7 @@ def _circumstances(summary: Mapping[str, object]) -> Iterator[str]:
 
 def told(breach: Breach) -> dict[str, object]:
     """A limit exceeded as `summary.json` tells it."""
-    return {name: getattr(breach, name) for name in LISTED}
+    return {name: getattr(breach, name) for name in LISTED} | {"element": str(breach.element)}
 
 
 def _in_order(value: Any) -> Any:

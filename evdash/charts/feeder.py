@@ -262,13 +262,13 @@ def _labelled(moment: Moment, voltage: dict[str, float]) -> set[str]:
     """All nodes of a small feeder; of a large one those that somebody looks for."""
     if len(voltage) <= FEW:
         return set(voltage)
-    binding = moment.outlook.binding[moment.interval].partition(":")[2]
+    binding = moment.outlook.binding[moment.interval]
     sought = {
         moment.scenario.feeder.source_node,
         moment.scenario.station.node,
         min(voltage, key=voltage.__getitem__),
         max(voltage, key=voltage.__getitem__),
-        binding,
+        *([binding.node] if binding and binding.kind != "line" else []),
     }
     return sought & set(voltage)
 
@@ -316,16 +316,15 @@ def _nodes_outside(moment: Moment) -> list[dict[str, Any]]:
 def _tightest(moment: Moment) -> list[dict[str, Any]]:
     """A halo around the element that sets the headroom."""
     element = moment.outlook.binding[moment.interval]
-    kind, _, name = element.partition(":")
-    if not element:
+    if element is None:
         return []
     way = next(
         (
             way
             for line, way in zip(moment.scenario.lines, moment.layout.ways, strict=True)
-            if kind == "line" and line.name == name
+            if line.element == element
         ),
-        (moment.layout.places[name],) if name in moment.layout.places else (),
+        (moment.layout.places[element.node],) if element.node in moment.layout.places else (),
     )
     halo: dict[str, Any] = {
         "type": "scatter",

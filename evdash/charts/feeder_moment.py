@@ -8,6 +8,7 @@ import numpy as np
 from evdash.charts.feeder_layout import Layout
 from evdash.charts.voltage_map import MapWay
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 from evdash.domain.outlook import Outlook
 from evdash.domain.scenario import Line, Scenario
@@ -45,18 +46,18 @@ class Moment:
         return self.ac if self.way == "with" else None
 
     @property
-    def exceeded(self) -> dict[Network, frozenset[str]]:
+    def exceeded(self) -> dict[Network, frozenset[Element]]:
         """The elements beyond a limit in what is shown, by model, whichever side is exceeded."""
         shown = {"with": self.linear, "without": self.without, "difference": ()}[self.way]
         in_ac = self.seen_in_ac.breaches if self.seen_in_ac else ()
         return {
-            network: frozenset(breach.limit for breach in breaches)
+            network: frozenset(breach.element.import_side for breach in breaches)
             for network, breaches in ((LINEARISED, shown), (FULL_AC, in_ac))
         }
 
     def models_over(self, line: Line) -> list[Network]:
         """The models in which a line is over its rating."""
-        return [network for network, found in self.exceeded.items() if f"line:{line.name}" in found]
+        return [network for network, found in self.exceeded.items() if line.element in found]
 
     @property
     def voltage_pu(self) -> dict[str, float]:
@@ -104,13 +105,8 @@ class Moment:
 
 def nodes_outside(moment: Moment, network: Network) -> list[str]:
     """The nodes whose voltage or injection is beyond a limit in a model."""
-    kinds = ("voltage_min", "voltage_max", "node", "power_flow")
-    found = moment.exceeded[network]
-    return [
-        node.node
-        for node in moment.scenario.nodes
-        if any(f"{kind}:{node.node}" in found for kind in kinds)
-    ]
+    found = {one.node for one in moment.exceeded[network] if one.kind != "line"}
+    return [node.node for node in moment.scenario.nodes if node.node in found]
 
 
 def percent_told(share: float, *, is_over: bool) -> str:
@@ -186,7 +182,8 @@ def feeder_alt(moment: Moment) -> str:
 
 def _exceeded_told(moment: Moment) -> str:
     return "".join(
-        f" Outside limits, {MODELS[network]}: {', '.join(map(element_name, sorted(found)))}."
+        f" Outside limits, {MODELS[network]}: "
+        f"{', '.join(element_name(one) for one in sorted(found, key=str))}."
         for network, found in moment.exceeded.items()
         if found
     )

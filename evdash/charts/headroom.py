@@ -27,7 +27,9 @@ from evdash.charts.style import (
     time_axis,
     value_axis,
 )
+from evdash.domain.elements import Element
 from evdash.domain.outlook import Outlook
+from evdash.domain.words import element_name
 
 HEIGHT_PX = 380
 LOOKS = (
@@ -43,11 +45,8 @@ MOST_NAMED = 10
 STATION = {"color": BLUE, "width": 3, "shape": "hv"}
 
 
-def headroom_figure(outlook: Outlook, names: dict[str, str]) -> Figure:
-    """Bars of headroom, one look for each binding element, and what the station draws.
-
-    `names` has a few words for every element in `outlook.binding`.
-    """
+def headroom_figure(outlook: Outlook) -> Figure:
+    """Bars of headroom, one look for each binding element, and what the station draws."""
     if not np.isfinite(outlook.headroom_kw).any():
         note = "The feeder sets no limit to charging"
         return figure(
@@ -58,10 +57,7 @@ def headroom_figure(outlook: Outlook, names: dict[str, str]) -> Figure:
             annotations=[empty_note(note)],
         )
     elements = list(dict.fromkeys(element for element in outlook.binding if element))
-    bars = [
-        _bars(outlook, element, names[element], LOOKS[i % len(LOOKS)])
-        for i, element in enumerate(elements)
-    ]
+    bars = [_bars(outlook, element, LOOKS[i % len(LOOKS)]) for i, element in enumerate(elements)]
     top = float(outlook.headroom_kw[np.isfinite(outlook.headroom_kw)].max())
     return figure(
         [*bars, _station(outlook)],
@@ -74,19 +70,19 @@ def headroom_figure(outlook: Outlook, names: dict[str, str]) -> Figure:
         shapes=now_shapes(outlook),
         annotations=[
             *([now_label(outlook)] if outlook.now else []),
-            *_labels(outlook, names),
+            *_labels(outlook),
         ],
     )
 
 
-def headroom_table(outlook: Outlook, names: dict[str, str]) -> list[dict[str, object]]:
+def headroom_table(outlook: Outlook) -> list[dict[str, object]]:
     """The same as rows of a table."""
     return [
         {
             "Interval": span,
             "": "executed" if t < outlook.now else "planned",
             "Headroom, kW": round(float(outlook.headroom_kw[t]), 1) if outlook.binding[t] else None,
-            "Limited by": names.get(outlook.binding[t], "nothing"),
+            "Limited by": element_name(outlook.binding[t]),
             "Station, kW": round(float(outlook.station_kw[t]), 1),
             "Used, %": _used(outlook, t),
         }
@@ -94,14 +90,14 @@ def headroom_table(outlook: Outlook, names: dict[str, str]) -> list[dict[str, ob
     ]
 
 
-def headroom_alt(outlook: Outlook, names: dict[str, str]) -> str:
+def headroom_alt(outlook: Outlook) -> str:
     """The chart in one sentence."""
     t = int(outlook.headroom_kw.argmin())
     if not outlook.binding[t]:
         return "Room for charging over the day: the feeder sets no limit."
     return (
         f"Bars of the room for charging by interval: least at {clock(outlook.times[t])}, "
-        f"{outlook.headroom_kw[t]:.0f} kW, limited by {names[outlook.binding[t]]}."
+        f"{outlook.headroom_kw[t]:.0f} kW, limited by {element_name(outlook.binding[t])}."
     )
 
 
@@ -110,8 +106,9 @@ def _used(outlook: Outlook, t: int) -> float | None:
     return round(100 * float(outlook.station_kw[t]) / room, 1) if 0 < room < np.inf else None
 
 
-def _bars(outlook: Outlook, element: str, name: str, look: tuple[str, str]) -> dict[str, Any]:
+def _bars(outlook: Outlook, element: Element, look: tuple[str, str]) -> dict[str, Any]:
     colour, shape = look
+    name = element_name(element)
     shown = [t for t, one in enumerate(outlook.binding) if one == element]
     words = spans(outlook)
     ms = (outlook.times[1] - outlook.start).total_seconds() * 1000
@@ -146,7 +143,7 @@ def _station(outlook: Outlook) -> dict[str, Any]:
     )
 
 
-def _labels(outlook: Outlook, names: dict[str, str]) -> list[dict[str, Any]]:
+def _labels(outlook: Outlook) -> list[dict[str, Any]]:
     """The element's name over each run of intervals in which it binds."""
     runs = [
         (element, [t for t, _ in group])
@@ -164,9 +161,9 @@ def _labels(outlook: Outlook, names: dict[str, str]) -> list[dict[str, Any]]:
             "yref": "y",
             "yanchor": "bottom",
             "showarrow": False,
-            "text": safe(names[element]),
+            "text": safe(element_name(element)),
             "font": {"size": FONT_PX - 2},
         }
         for element, run in runs
-        if element and 7 * len(names[element]) < 600 * len(run) / outlook.n_intervals
+        if element and 7 * len(element_name(element)) < 600 * len(run) / outlook.n_intervals
     ]

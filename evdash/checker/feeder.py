@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from evdash.domain.breach import EXPORT, Breach
+from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 
@@ -89,13 +90,13 @@ class FeederCheck:
         """Every rating: of a node's net injection, of what flows through a line."""
         source = self.scenario.feeder.source_node
         nodes = [
-            _Rated(node.node, f"node:{node.node}", node.rating_kva, injection=True)
+            _Rated(node.node, Element("node", node.node), node.rating_kva, injection=True)
             for node in self.scenario.nodes
             if node.rating_kva is not None and node.node != source
         ]
         lines = ((node, self.scenario.lines[row]) for node, row in self.line_of.items())
         return nodes + [
-            _Rated(node, f"line:{line.name}", line.rating_kva, injection=False)
+            _Rated(node, line.element, line.rating_kva, injection=False)
             for node, line in lines
             if line.rating_kva is not None
         ]
@@ -103,7 +104,6 @@ class FeederCheck:
     def breaches(self, station_kw: Floats) -> list[Breach]:
         """Every limit exceeded in any interval, by the station or by the feeder itself."""
         limits, depths = self.loaded.limits, self._depths(station_kw)
-        exports = len(limits) - len(self.loaded.rating_kva)
         in_pu = np.array([unit == "pu" for _, unit in limits])
         tolerance = np.where(in_pu, TOLERANCE_PU, TOLERANCE_KVA)
         return [
@@ -114,7 +114,6 @@ class FeederCheck:
                 base_depth=float(self._base_depths[i, t]),
                 unit=limits[i][1],
                 tolerance=float(tolerance[i]),
-                is_export=bool(i >= exports),
             )
             for i, t in np.argwhere(depths > tolerance[:, None])
         ]
@@ -149,7 +148,7 @@ class _Rated:
     """A rating, kVA, on what flows into `node`, or on its net injection alone."""
 
     node: str
-    element: str
+    element: Element
     rating_kva: float
     injection: bool
 
@@ -163,7 +162,7 @@ class _Loaded:
     (ratings, intervals); active_per_kw and rating_kva (ratings, 1).
     """
 
-    limits: list[tuple[str, str]]
+    limits: list[tuple[Element, str]]
     voltage_sq_pu: Floats
     voltage_sq_per_kw: Floats
     active_kw: Floats
@@ -186,10 +185,10 @@ class _Loaded:
 
         reactive = [(base.net_kvar if r.injection else base.flow_kvar)[r.node] for r in rated]
         return cls(
-            limits=[(f"voltage_min:{node}", "pu") for node in nodes]
-            + [(f"voltage_max:{node}", "pu") for node in nodes]
+            limits=[(Element("voltage_min", node), "pu") for node in nodes]
+            + [(Element("voltage_max", node), "pu") for node in nodes]
             + [(r.element, "kVA") for r in rated]
-            + [(r.element + EXPORT, "kVA") for r in rated],
+            + [(r.element.export_side, "kVA") for r in rated],
             voltage_sq_pu=squared(base),
             voltage_sq_per_kw=(squared(unit) - squared(base))[:, :1] / UNIT_KW,
             active_kw=active(base),

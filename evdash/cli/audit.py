@@ -53,9 +53,7 @@ def _say_more(terminal: Terminal, count: int) -> None:
 def _say_feeder(terminal: Terminal, result: Audit) -> None:
     """Limits exceeded in AC, and by the feeder itself in the linearised model."""
     run = result.run
-    wording = Wording(
-        lambda one: element_name(one.limit, is_export=one.is_export), Clock(run.scenario, 0).at
-    )
+    wording = Wording(lambda one: element_name(one.element), Clock(run.scenario, 0).at)
     judged = len(run.intervals)
     models = (
         verdict_of(LINEARISED, result.feeder_own, judged),

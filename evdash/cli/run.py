@@ -74,6 +74,7 @@ def _check_explained(options: argparse.Namespace) -> None:
 def _whole_day(trace: Trace) -> DayExplained:
     """Every refusal explained, what more of each limit is worth, what binds, what was revised."""
     return DayExplained(
+        scenario=trace.scenario,
         refusals=_refusals(trace),
         worths=tuple(day_worths(trace)),
         bindings=binding_elements(trace),

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
 
+from evdash.domain.elements import Element, Kept
+
 
 def _in_words(array: NDArray[np.float64]) -> dict[str, Any]:
     """An array to the bit as JSON can carry it: its shape and its bytes."""
@@ -35,13 +37,12 @@ STATION = 0
 class LimitRows:
     """Σ_port coefficient[row, port] · power_kw[port] ≤ limit_kw[interval, row].
 
-    `elements` names what each row stands for, `voltage_min:652`, `line:633-634` or
-    `node:634`. Rows of the station's port are scaled to coefficient 1, so that a limit is
-    that element's headroom. Shapes: elements (rows,), coefficient (rows, ports),
-    limit_kw (intervals, rows).
+    `elements` are what each row stands for. Rows of the station's port are scaled to
+    coefficient 1, so that a limit is that element's headroom. Shapes: elements (rows,),
+    coefficient (rows, ports), limit_kw (intervals, rows).
     """
 
-    elements: tuple[str, ...]
+    elements: tuple[Kept, ...]
     coefficient: Floats
     limit_kw: Floats
 
@@ -59,10 +60,10 @@ class LimitRows:
             return np.full(len(self.limit_kw), np.inf)
         return np.asarray(self.capacity_kw().min(axis=1))
 
-    def binding(self) -> tuple[str, ...]:
-        """The tightest element of each interval, whether reached or not; "" if unlimited."""
+    def binding(self) -> tuple[Element | None, ...]:
+        """The tightest element of each interval, whether reached or not; None if unlimited."""
         if not self.elements:
-            return ("",) * len(self.limit_kw)
+            return (None,) * len(self.limit_kw)
         # argmin of the unclipped limits: of two elements without room, the one further beyond
         tightest = (self.limit_kw / self.coefficient[:, STATION]).argmin(axis=1)
         return tuple(self.elements[row] for row in tightest)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from datetime import datetime
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 
 
@@ -13,7 +14,7 @@ class Outlook:
     Interval t runs from `times[t]` to `times[t + 1]`; those before `now` are executed, the
     others planned. Shapes: times (intervals + 1,); voltage_pu and base_voltage_pu, the latter
     without the station, (intervals, nodes), linearised; all others (intervals,). `headroom_kw`
-    is inf and `binding` "" where nothing limits. `station_rating_kw` is what the station's load
+    is inf and `binding` None where nothing limits. `station_rating_kw` is what the station's load
     is measured against: the rating nearest to it on its way to the source, or the most its
     chargers can draw.
     """
@@ -24,7 +25,7 @@ class Outlook:
     load_kw: Floats
     station_kw: Floats
     headroom_kw: Floats
-    binding: tuple[str, ...]
+    binding: tuple[Element | None, ...]
     nodes: tuple[str, ...]
     voltage_pu: Floats
     base_voltage_pu: Floats

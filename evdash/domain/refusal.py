@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
+from evdash.domain.elements import Kept
 from evdash.domain.words import element_name, money
 
 RefusalKind = Literal[
@@ -90,7 +91,7 @@ class RefusalReason:
     low_kw: float = 0.0
     intervals: int = 0
     left: int = 0
-    elements: tuple[str, ...] = ()
+    elements: tuple[Kept, ...] = ()
     by: tuple[str, ...] = ()
     where: str = ""
     told: str = ""

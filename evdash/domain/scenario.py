@@ -5,14 +5,16 @@ say about itself is checked here by pydantic; what several fields must agree on 
 in `evdash.files.checks`, so that all faults can be told together.
 """
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping
 from datetime import datetime, timedelta
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, PlainSerializer, Tag
 
+from evdash.domain.elements import Element
 from evdash.domain.events import Event
 from evdash.domain.fields import (
     LARGE,
@@ -30,6 +32,8 @@ from evdash.domain.tariff import Tariff
 
 LOCAL_TIME_FORMAT = "%Y-%m-%dT%H:%M"
 FIRST_YEAR, LAST_YEAR = 1900, 2999
+FIRST_ROW = 2
+"""A table's first row in its file, after the header."""
 MOST_NODES, MOST_OPTIONS, MOST_MODELS = 5_000, 100, 10_000
 MOST_VEHICLES, MOST_EVENTS = 100_000, 10_000
 """Sizes beyond which a day would fill the memory of an ordinary machine."""
@@ -148,6 +152,14 @@ class Line(Record):
     def name(self) -> str:
         """The line as files and screens name it, `633-634`."""
         return f"{self.from_node}-{self.to_node}"
+
+    @property
+    def element(self) -> Element:
+        """The line as what a limit stands on."""
+        return Element("line", self.from_node, self.to_node)
+
+
+Rated = TypeVar("Rated", Node, Line)
 
 
 class ProfileRow(Record):
@@ -301,6 +313,50 @@ class Scenario(Record):
     @cached_property
     def options_by_name(self) -> Mapping[str, PriceOption]:
         return {option.name: option for option in self.option}
+
+    @cached_property
+    def rated_elements(self) -> Mapping[str, Element]:
+        """What can have a rating, every line and every node but the source, by name in files.
+
+        Where two lines would have one name, as `s-a` to `b` and `s` to `a-b`, that name is
+        neither's and each is called by its row in `lines.csv`, `line:row 3`.
+        """
+        times = Counter(line.name for line in self.lines)
+        lines = {
+            f"line:row {row}" if times[line.name] > 1 else str(line.element): line.element
+            for row, line in enumerate(self.lines, start=FIRST_ROW)
+        }
+        nodes = (n.node for n in self.nodes if n.node != self.feeder.source_node)
+        return lines | {f"node:{node}": Element("node", node) for node in nodes}
+
+    def file_name(self, element: Element | None) -> str:
+        """An element as files name it; blank for none."""
+        return "" if element is None else self._file_names.get(element, str(element))
+
+    @cached_property
+    def _file_names(self) -> Mapping[Element, str]:
+        return {element: name for name, element in self.rated_elements.items()}
+
+    def rating_kva_of(self, element: Element) -> float | None:
+        """The rating of a line or node, kVA; None where it has none."""
+        if element.kind == "node":
+            return next((n.rating_kva for n in self.nodes if n.node == element.node), None)
+        sought = element.import_side
+        return next((line.rating_kva for line in self.lines if line.element == sought), None)
+
+    def with_rating(
+        self, element: Element, change: Callable[[float | None], float | None]
+    ) -> "Scenario":
+        """This scenario with the rating of a line or node, kVA, changed."""
+
+        def changed(one: Rated) -> Rated:
+            return one.model_copy(update={"rating_kva": change(one.rating_kva)})
+
+        if element.kind == "node":
+            nodes = (changed(n) if n.node == element.node else n for n in self.nodes)
+            return self.replacing(nodes=tuple(nodes))
+        lines = (changed(one) if one.element == element else one for one in self.lines)
+        return self.replacing(lines=tuple(lines))
 
     @property
     def arrivals_end(self) -> int:

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
+
+from pydantic import BeforeValidator, ValidationInfo
 
 from evdash.domain.breach import Breach
 from evdash.domain.events import Event
@@ -26,6 +28,18 @@ class LimitCheck(Protocol):
         ...
 
 
+def _with_elements(rows: Any, told: ValidationInfo) -> Any:
+    """Earlier versions kept the names of elements; the lines of the scenario tell them apart."""
+    if not isinstance(rows, dict) or "scenario" not in told.data:
+        return rows
+    lines = {str(line.element): line.element for line in told.data["scenario"].lines}
+    return rows | {
+        "elements": [
+            lines.get(one, one) if isinstance(one, str) else one for one in rows["elements"]
+        ]
+    }
+
+
 @dataclass(frozen=True, slots=True)
 class Inputs:
     """A scenario made ready: who arrives, what they ask, what the feeder allows.
@@ -40,7 +54,7 @@ class Inputs:
     scenario: Scenario
     arrivals: tuple[Arrival, ...]
     requests: tuple[tuple[Request, ...], ...]
-    rows: LimitRows
+    rows: Annotated[LimitRows, BeforeValidator(_with_elements)]
     network: Network = "lindistflow"
 
 

@@ -2,59 +2,42 @@
 
 from collections.abc import Callable
 
+from evdash.domain.elements import CHARGERS, Element
 from evdash.domain.scenario import Scenario
-
-CHARGERS = "chargers"
-"""The one limit that is no element of the feeder."""
 
 
 def element_words(
-    element: str,
-    scenario: Scenario,
-    name: Callable[[str], str] = str,
-    *,
-    is_export: bool = False,
+    element: Element | None, scenario: Scenario, name: Callable[[str], str] = str
 ) -> str:
     """A limit as a person names it: `line or transformer 633–634 (500 kVA)`.
 
-    `name` sets what users have called things, as where they are escaped; `is_export` where it is
-    power flowing back that is limited.
+    `name` sets what users have called things, as where they are escaped.
     """
-    kind, _, found = element.partition(":")
-    called = name(found)
-    low_pu, high_pu = scenario.feeder.voltage_min_pu, scenario.feeder.voltage_max_pu
-    words = {
-        "voltage_min": f"the lowest voltage allowed at node {called} ({low_pu:g} pu)",
-        "voltage_max": f"the highest voltage allowed at node {called} ({high_pu:g} pu)",
-        "power_flow": f"voltage collapse at node {called}, where more power has no AC solution",
-        CHARGERS: f"the number of chargers ({scenario.station.chargers})",
-    }
-    if kind in words:
-        return words[kind]
-    back = " against power flowing back" if is_export else ""
-    if kind == "node":
-        rating = next((n.rating_kva for n in scenario.nodes if n.node == found), None)
-        return f"the rating of node {called} ({rating or 0:g} kVA){back}"
-    line = next((line for line in scenario.lines if line.name == found), None)
-    if line is None:
-        return name(element)
-    ends = f"{name(line.from_node)}–{name(line.to_node)}"
-    return f"line or transformer {ends} ({line.rating_kva or 0:g} kVA){back}"
+    if element is None:
+        return "nothing"
+    node, feeder = f"node {name(element.node)}", scenario.feeder
+    if element.is_rating:
+        ends = f"line or transformer {name(element.node)}–{name(element.to_node)}"
+        of = ends if element.kind == "line" else f"the rating of {node}"
+        back = " against power flowing back" if element.is_export else ""
+        return f"{of} ({scenario.rating_kva_of(element) or 0:g} kVA){back}"
+    return {
+        "voltage_min": f"the lowest voltage allowed at {node} ({feeder.voltage_min_pu:g} pu)",
+        "voltage_max": f"the highest voltage allowed at {node} ({feeder.voltage_max_pu:g} pu)",
+        "power_flow": f"voltage collapse at {node}, where more power has no AC solution",
+        "chargers": f"the number of chargers ({scenario.station.chargers})",
+    }[element.kind]
 
 
-def element_name(element: str, *, is_export: bool = False) -> str:
+def element_name(element: Element | None) -> str:
     """A limit in a few words: for labels and cells of a table."""
+    if element is None:
+        return "nothing"
     if element == CHARGERS:
-        return CHARGERS
-    kind, _, name = element.partition(":")
-    words = {
-        "voltage_min": "voltage at",
-        "voltage_max": "voltage at",
-        "node": "rating of node",
-        "power_flow": "voltage collapse at",
-    }
-    back = ", power flowing back" if is_export else ""
-    return f"{words.get(kind, 'rating of')} {name}{back}" if element else "nothing"
+        return str(element)
+    words = {"node": "rating of node", "line": "rating of", "power_flow": "voltage collapse at"}
+    back = ", power flowing back" if element.is_export else ""
+    return f"{words.get(element.kind, 'voltage at')} {element.name}{back}"
 
 
 def depth_words(depth: float, unit: str) -> str:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from evdash.domain.elements import CHARGERS, Element
 from evdash.domain.limits import STATION
 from evdash.domain.trace import Step, Trace
-from evdash.domain.words import CHARGERS, element_words
+from evdash.domain.words import element_words
 from evdash.explain.words import Clock
 
 REACHED_KW = 0.05
@@ -23,15 +24,15 @@ class Binding:
     the station drew all it leaves or, for chargers, all were in use.
     """
 
-    element: str
+    element: Element
     tightest: tuple[int, ...]
     reached: tuple[int, ...]
 
 
 def binding_elements(trace: Trace) -> tuple[Binding, ...]:
     """Every element that was tightest or reached in the intervals executed, most often first."""
-    tightest: dict[str, list[int]] = {}
-    reached: dict[str, list[int]] = {}
+    tightest: dict[Element, list[int]] = {}
+    reached: dict[Element, list[int]] = {}
     for step in trace.steps:
         if element := step.inputs.rows.binding()[step.interval]:
             tightest.setdefault(element, []).append(step.interval)
@@ -65,7 +66,7 @@ def _told(row: Binding, clock: Clock) -> str:
     )
 
 
-def reached_in(step: Step) -> Iterator[str]:
+def reached_in(step: Step) -> Iterator[Element]:
     """The elements reached in the interval a step carried out."""
     rows, interval = step.inputs.rows, step.interval
     room_kw = np.maximum(0.0, rows.limit_kw[interval]) / rows.coefficient[:, STATION]

@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from evdash.domain.elements import Element
 from evdash.domain.refusal import RefusalKind, RefusalReason
 from evdash.domain.vehicles import Request
 from evdash.explain.changes import NOTHING, Change
@@ -42,7 +43,7 @@ class Taken:
     `headroom`: (interval, element) pairs; `chargers`: intervals in which all were in use.
     """
 
-    headroom: tuple[tuple[int, str], ...] = ()
+    headroom: tuple[tuple[int, Element | None], ...] = ()
     chargers: tuple[int, ...] = ()
 
 
@@ -165,6 +166,6 @@ def slots_beyond_headroom(trials: Trials, station_kw: np.ndarray) -> tuple[int, 
     )
 
 
-def element_at(trials: Trials, slot: int) -> str:
+def element_at(trials: Trials, slot: int) -> Element | None:
     """The tightest element of a slot."""
     return trials.snapshot.rows.binding()[slot]

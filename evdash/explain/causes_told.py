@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
+from evdash.domain.elements import Element
 from evdash.domain.refusal import RefusalKind
 from evdash.domain.vehicles import Request
 from evdash.domain.words import element_words, some_money
@@ -146,7 +147,7 @@ def _named(requests: tuple[Request, ...]) -> str:
 
 def _headroom_taken(trials: Trials, cause: Cause) -> str:
     clock, scenario = clock_of(trials), trials.inputs.scenario
-    by_element: dict[str, list[int]] = {}
+    by_element: dict[Element | None, list[int]] = {}
     for interval, element in cause.taken.headroom:
         by_element.setdefault(element, []).append(interval)
     told = [

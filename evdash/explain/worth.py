@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TypeVar
 
+from evdash.domain.elements import Element
 from evdash.domain.events import Event
 from evdash.domain.plan import Policy
-from evdash.domain.scenario import Line, Node, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Inputs, Trace
 from evdash.domain.words import element_words, some_money
 from evdash.explain.binding import binding_elements
@@ -17,7 +17,6 @@ from evdash.horizon.requests import requests_by_interval
 from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_plans
 
-Rated = TypeVar("Rated", Line, Node)
 MORE_KVA = 10.0
 WIDER_PU = 0.01
 
@@ -110,29 +109,22 @@ def wider_band(scenario: Scenario) -> Scenario:
     return scenario.replacing(feeder=limits.model_copy(update=wider))
 
 
-def binding_rating(trace: Trace) -> str | None:
+def binding_rating(trace: Trace) -> Element | None:
     """The rated line, transformer or node reached most often in a day, or else tightest."""
-    rated = [b for b in binding_elements(trace) if b.element.startswith(("line:", "node:"))]
+    rated = [b for b in binding_elements(trace) if b.element.is_rating]
     return rated[0].element if rated else None
 
 
-def higher_rating(scenario: Scenario, element: str) -> Scenario:
-    """The scenario with 10 kVA more on `line:…` or `node:…`, also where an event rates it."""
-    kind, _, name = element.partition(":")
+def higher_rating(scenario: Scenario, element: Element) -> Scenario:
+    """The scenario with 10 kVA more on a line or node, also where an event rates it."""
+    subject = scenario.file_name(element)
     events = tuple(
-        _more(e, MORE_KVA) if e.event == "rating" and e.subject == element else e
+        _more(e, MORE_KVA) if e.event == "rating" and e.subject == subject else e
         for e in scenario.events
     )
-    if kind == "node":
-        nodes = tuple(_raised(n) if n.node == name else n for n in scenario.nodes)
-        return scenario.replacing(nodes=nodes, events=events)
-    lines = tuple(_raised(line) if line.name == name else line for line in scenario.lines)
-    return scenario.replacing(lines=lines, events=events)
+    higher = scenario.with_rating(element, lambda kva: (kva or 0.0) + MORE_KVA)
+    return higher.replacing(events=events)
 
 
 def _more(event: Event, more: float) -> Event:
     return event.model_copy(update={"value": event.amount + more})
-
-
-def _raised(rated: Rated) -> Rated:
-    return rated.model_copy(update={"rating_kva": (rated.rating_kva or 0.0) + MORE_KVA})

@@ -86,7 +86,7 @@ def event_times(scenario: Scenario) -> Iterator[Problem]:
 
 def event_subjects(scenario: Scenario) -> Iterator[Problem]:
     """The element or vehicle is one of the scenario's."""
-    elements = frozenset(known_elements(scenario))
+    elements = scenario.rated_elements
     named: tuple[Place, ...] = (
         ("lines", EVERY, "from_node"),
         ("lines", EVERY, "to_node"),
@@ -104,18 +104,22 @@ def event_subjects(scenario: Scenario) -> Iterator[Problem]:
         if event.subject is None:
             continue
         if kind == "element" and event.subject not in elements:
-            form = "should be line:FROM-TO or node:NAME as in lines.csv and nodes.csv"
-            yield Problem((*place, *named), repr(event.subject), form)
+            yield Problem((*place, *named), repr(event.subject), _naming(scenario, event.subject))
         may_come = drawn and MAY_COME.fullmatch(event.subject) is not None
         if kind == "vehicle" and event.subject not in vehicles and not may_come:
             yield Problem((*place, ("arrivals", "vehicles")), repr(event.subject), rule)
 
 
-def known_elements(scenario: Scenario) -> tuple[str, ...]:
-    """What can be rated: every line and every node but the source, as limits are named."""
-    source = scenario.feeder.source_node
-    nodes = tuple(f"node:{node.node}" for node in scenario.nodes if node.node != source)
-    return (*(f"line:{line.name}" for line in scenario.lines), *nodes)
+def _naming(scenario: Scenario, subject: str) -> str:
+    """How an element should be named in place of `subject`, which names none or several."""
+    meant = [line.element for line in scenario.lines if str(line.element) == subject]
+    if meant:
+        names = " or ".join(
+            f"{scenario.file_name(element)} (from {element.node} to {element.to_node})"
+            for element in meant
+        )
+        return f"names {len(meant)} lines; should be {names}"
+    return "should be line:FROM-TO or node:NAME as in lines.csv and nodes.csv"
 
 
 def event_chargers(scenario: Scenario) -> Iterator[Problem]:

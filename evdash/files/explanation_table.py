@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from evdash.domain.scenario import Scenario
 from evdash.explain.binding import Binding
 from evdash.explain.refusals import Explanation
 from evdash.explain.revisions import Revision
@@ -15,6 +16,7 @@ from evdash.files.run_tables import table_text
 class DayExplained:
     """Every refusal, what more of each limit is worth, what binds when, every plan revised."""
 
+    scenario: Scenario
     refusals: tuple[Explanation, ...]
     worths: tuple[Worth, ...]
     bindings: tuple[Binding, ...]
@@ -26,7 +28,7 @@ def explanation_files(day: DayExplained) -> Mapping[str, str]:
     return {
         "explanations.csv": table_text(ExplanationRow, map(refusal_row, day.refusals)),
         "worths.csv": table_text(WorthRow, map(worth_row, day.worths)),
-        "binding.csv": table_text(BindingRow, binding_rows(day.bindings)),
+        "binding.csv": table_text(BindingRow, binding_rows(day.scenario, day.bindings)),
         "revisions.csv": table_text(RevisionRow, map(revision_row, day.revisions)),
     }
 
@@ -48,12 +50,12 @@ def worth_row(worth: Worth) -> WorthRow:
     )
 
 
-def binding_rows(bindings: Iterable[Binding]) -> Iterable[BindingRow]:
+def binding_rows(scenario: Scenario, bindings: Iterable[Binding]) -> Iterable[BindingRow]:
     """`binding.csv`: each element in every interval in which it is tightest or reached."""
     for binding in bindings:
         for interval in sorted({*binding.tightest, *binding.reached}):
             yield BindingRow.model_construct(
-                element=binding.element,
+                element=scenario.file_name(binding.element),
                 interval=interval,
                 tightest=int(interval in binding.tightest),
                 reached=int(interval in binding.reached),

@@ -176,6 +176,6 @@ def versions() -> dict[str, str]:
 
 def _told(breaches: Iterable[Breach]) -> list[Mapping[str, object]]:
     return [
-        {"interval": b.interval, "element": b.element, "depth": b.depth, "unit": b.unit}
+        {"interval": b.interval, "element": str(b.element), "depth": b.depth, "unit": b.unit}
         for b in breaches
     ]

@@ -1,8 +1,11 @@
 """Limits exceeded in the AC solution, and whether the station is to blame."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from evdash.domain.breach import EXPORT, Breach
+from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 from evdash.grid.acflow import AcResult
@@ -25,21 +28,21 @@ def ac_breaches(scenario: Scenario, executed: AcResult, base: AcResult) -> tuple
         pair = executed.voltage_pu[:, i], base.voltage_pu[:, i]
         low = [limits.voltage_min_pu - voltage for voltage in pair]
         high = [voltage - limits.voltage_max_pu for voltage in pair]
-        found += _beyond(f"voltage_min:{node}", low, "pu", TOLERANCE_PU)
-        found += _beyond(f"voltage_max:{node}", high, "pu", TOLERANCE_PU)
+        found += _beyond(Element("voltage_min", node), low, "pu", TOLERANCE_PU)
+        found += _beyond(Element("voltage_max", node), high, "pu", TOLERANCE_PU)
     for i, line in enumerate(scenario.lines):
         ends = executed.line_power[:, i], base.line_power[:, i]
-        found += _over_rating(f"line:{line.name}", ends, line.rating_kva)
+        found += _over_rating(line.element, ends, line.rating_kva)
     ratings = {node.node: node.rating_kva for node in scenario.nodes}
     for i, node in enumerate(executed.nodes):
         net = executed.node_power[:, i, None], base.node_power[:, i, None]
-        found += _over_rating(f"node:{node}", net, ratings[node])
+        found += _over_rating(Element("node", node), net, ratings[node])
     found += _without_solution(scenario, executed, base)
     return tuple(sorted(found, key=lambda breach: breach.interval))
 
 
 def _without_solution(scenario: Scenario, executed: AcResult, base: AcResult) -> list[Breach]:
-    element = f"power_flow:{scenario.station.node}"
+    element = Element("power_flow", scenario.station.node)
     own = set(base.diverged) - _drawing(executed, base)
     return [
         Breach(t, element, 1.0, float(t in own), "solution missing", 0.0) for t in executed.diverged
@@ -52,7 +55,7 @@ def _drawing(executed: AcResult, base: AcResult) -> set[int]:
 
 
 def _over_rating(
-    element: str, powers: tuple[Power, Power], rating_kva: float | None
+    element: Element, powers: tuple[Power, Power], rating_kva: float | None
 ) -> list[Breach]:
     """Both sides of a rating; `powers` executed and without the station, (intervals, ends)."""
     if rating_kva is None:
@@ -60,18 +63,15 @@ def _over_rating(
     found: list[Breach] = []
     for is_export, side, base in zip((False, True), *map(by_side, powers), strict=True):
         over = [side.kva - rating_kva, side.held_kva(base.end_kva) - rating_kva]
-        name = element + EXPORT if is_export else element
-        found += _beyond(name, over, "kVA", TOLERANCE_KVA, is_export)
+        found += _beyond(replace(element, is_export=is_export), over, "kVA", TOLERANCE_KVA)
     return found
 
 
-def _beyond(
-    element: str, depths: list[Floats], unit: str, tolerance: float, is_export: bool = False
-) -> list[Breach]:
+def _beyond(element: Element, depths: list[Floats], unit: str, tolerance: float) -> list[Breach]:
     depth, base_depth = (np.maximum(0.0, values) for values in depths)
     # without an AC solution of the base case the station cannot be cleared
     base_depth = np.nan_to_num(base_depth)
     return [
-        Breach(int(t), element, float(depth[t]), float(base_depth[t]), unit, tolerance, is_export)
+        Breach(int(t), element, float(depth[t]), float(base_depth[t]), unit, tolerance)
         for t in np.flatnonzero(depth > tolerance)
     ]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Scenario
 from evdash.errors import PowerFlowDiverged
@@ -30,7 +31,7 @@ class AcResult:
     """
 
     nodes: tuple[str, ...]
-    lines: tuple[str, ...]
+    lines: tuple[Element, ...]
     voltage_pu: Floats
     line_power: Power
     node_power: Power

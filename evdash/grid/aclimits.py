@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from evdash.domain.breach import EXPORT, Breach
+from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.scenario import Scenario
 from evdash.grid.acbatch import AcBatch
@@ -46,21 +47,21 @@ class AcFeeder:
         self.rating_kva = self.feeder.line_rating_kva[self.rated]
         if own_kva is not None:
             self.rating_kva = np.append(self.rating_kva, own_kva)
-        self.elements = self._element_names()
+        self.elements = self._elements()
         every = np.arange(scenario.intervals)
         self.base = self._solve(every, np.zeros(scenario.intervals))
 
-    def _element_names(self) -> tuple[str, ...]:
+    def _elements(self) -> tuple[Element, ...]:
         """Lower and upper voltages, imports and exports of what is rated, the power flow."""
         nodes, station = self.feeder.nodes, self.scenario.station.node
-        rated = [f"line:{self.feeder.lines[row]}" for row in self.rated]
-        rated += [f"node:{station}"] if self.node_is_rated else []
+        rated = [self.feeder.lines[row] for row in self.rated]
+        rated += [Element("node", station)] if self.node_is_rated else []
         return (
-            *(f"voltage_min:{node}" for node in nodes),
-            *(f"voltage_max:{node}" for node in nodes),
+            *(Element("voltage_min", node) for node in nodes),
+            *(Element("voltage_max", node) for node in nodes),
             *rated,
-            *(element + EXPORT for element in rated),
-            f"power_flow:{station}",
+            *(element.export_side for element in rated),
+            Element("power_flow", station),
         )
 
     def excess(self, intervals: NDArray[np.int64], station_kw: Floats) -> tuple[Floats, Floats]:
@@ -126,24 +127,14 @@ class AcFeeder:
                 base_depth=float(own[t, i]),
                 unit=self._unit(int(i)),
                 tolerance=float(margins[i]),
-                is_export=self._is_export(int(i)),
             )
             for t, i in zip(*np.nonzero(excess > margins), strict=True)
         ]
 
-    def limit(self, element: int) -> str:
-        """What an element is called whatever the side."""
-        name = self.elements[element]
-        return name.removesuffix(EXPORT) if self._is_export(element) else name
-
-    def _is_export(self, element: int) -> bool:
-        first = 2 * len(self.feeder.nodes) + len(self.rating_kva)
-        return first <= element < len(self.elements) - 1
-
     def _unit(self, element: int) -> str:
-        if element == len(self.elements) - 1:
+        if self.elements[element].kind == "power_flow":
             return "solution missing"
-        return "pu" if element < 2 * len(self.feeder.nodes) else "kVA"
+        return "pu" if self.elements[element].is_voltage else "kVA"
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +160,7 @@ def ac_limit_rows(scenario: Scenario) -> LimitRows:
     return LimitRows(elements, np.ones((len(elements), 1)), limit_kw)
 
 
-def ac_headroom(feeder: AcFeeder) -> tuple[Floats, tuple[str, ...]]:
+def ac_headroom(feeder: AcFeeder) -> tuple[Floats, tuple[Element, ...]]:
     """Headroom of each interval, kW, and the element that sets it; never above the true limit."""
     every = np.arange(feeder.scenario.intervals)
     low = np.zeros(len(every))
@@ -199,7 +190,7 @@ def ac_headroom(feeder: AcFeeder) -> tuple[Floats, tuple[str, ...]]:
         open_now = open_now[~done]
     collapses = culprit == len(feeder.elements) - 1
     allowed_kw = np.where(collapses, (1 - SHORT_OF_COLLAPSE) * low, low)
-    return allowed_kw, tuple(feeder.limit(int(i)) for i in culprit)
+    return allowed_kw, tuple(feeder.elements[int(i)].import_side for i in culprit)
 
 
 def _fractions() -> Floats:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 from evdash.domain.scenario import Line, Node, Scenario
 
@@ -24,7 +25,7 @@ class RadialFeeder:
     """
 
     nodes: tuple[str, ...]
-    lines: tuple[str, ...]
+    lines: tuple[Element, ...]
     on_way: NDArray[np.bool_]
     starts_at_source: NDArray[np.bool_]
     r_pu: Floats
@@ -111,7 +112,7 @@ def radial_feeder(scenario: Scenario) -> RadialFeeder:
     base_ohm = scenario.feeder.base_kv**2 / scenario.feeder.base_mva
     return RadialFeeder(
         nodes=names,
-        lines=tuple(line.name for line in scenario.lines),
+        lines=tuple(line.element for line in scenario.lines),
         on_way=on_way,
         starts_at_source=starts_at_source,
         r_pu=np.array([line.r_ohm for line in scenario.lines]) / base_ohm,

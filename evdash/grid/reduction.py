@@ -7,6 +7,7 @@ Together the rows describe the paper's feasible set wherever the base case keeps
 
 import numpy as np
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.scenario import Scenario
 from evdash.grid.lindistflow import (
@@ -18,21 +19,21 @@ from evdash.grid.lindistflow import (
 )
 from evdash.grid.radial import KW_PER_MW, RadialFeeder, radial_feeder
 
-Named = tuple[list[str], list[Floats]]
+Named = tuple[list[Element], list[Floats]]
 
 
 def limit_rows(scenario: Scenario) -> LimitRows:
     """Every limit that the station's power can worsen, in kW of station power."""
     feeder = radial_feeder(scenario)
     base = base_injections(scenario, feeder)
-    elements: list[str] = []
+    elements: list[Element] = []
     limits: list[Floats] = []
-    for names, columns in (
+    for named, columns in (
         node_rating(scenario, feeder, base),
         line_ratings(scenario, feeder, base),
         voltage_minima(scenario, feeder, base),
     ):
-        elements += names
+        elements += named
         limits += columns
     return LimitRows(
         elements=tuple(elements),
@@ -53,7 +54,7 @@ def node_rating(scenario: Scenario, feeder: RadialFeeder, base: Injections) -> N
     if rating_kva is None:
         return [], []
     room_kw = active_limit_kw(rating_kva, base.reactive_kvar[:, i]) + base.active_kw[:, i]
-    return [f"node:{scenario.station.node}"], [room_kw]
+    return [Element("node", scenario.station.node)], [room_kw]
 
 
 def line_ratings(scenario: Scenario, feeder: RadialFeeder, base: Injections) -> Named:
@@ -61,7 +62,7 @@ def line_ratings(scenario: Scenario, feeder: RadialFeeder, base: Injections) -> 
     flows = line_flows(feeder, base)
     on_way = feeder.on_way[feeder.node_index(scenario.station.node)]
     rated = np.flatnonzero(on_way & np.isfinite(feeder.line_rating_kva))
-    return [f"line:{feeder.lines[row]}" for row in rated], [
+    return [feeder.lines[row] for row in rated], [
         active_limit_kw(feeder.line_rating_kva[row], flows.reactive_kvar[:, row])
         - flows.active_kw[:, row]
         for row in rated
@@ -74,6 +75,6 @@ def voltage_minima(scenario: Scenario, feeder: RadialFeeder, base: Injections) -
     slack = voltage_sq_pu(scenario, feeder, base) - scenario.feeder.voltage_min_pu**2
     lowered = np.flatnonzero(station_r > 0)
     base_kva = scenario.feeder.base_mva * KW_PER_MW
-    return [f"voltage_min:{feeder.nodes[i]}" for i in lowered], [
+    return [Element("voltage_min", feeder.nodes[i]) for i in lowered], [
         slack[:, i] / station_r[i] * base_kva for i in lowered
     ]

@@ -34,13 +34,8 @@ def _return(scenario: Scenario, event: Event) -> Scenario:
 
 
 def _rating(scenario: Scenario, event: Event) -> Scenario:
-    kind, _, name = (event.subject or "").partition(":")
-    rating = {"rating_kva": event.value}
-    if kind == "node":
-        nodes = (n.model_copy(update=rating) if n.node == name else n for n in scenario.nodes)
-        return scenario.replacing(nodes=tuple(nodes))
-    lines = (one.model_copy(update=rating) if one.name == name else one for one in scenario.lines)
-    return scenario.replacing(lines=tuple(lines))
+    element = scenario.rated_elements[event.subject or ""]
+    return scenario.with_rating(element, lambda _: event.value)
 
 
 def _profile(

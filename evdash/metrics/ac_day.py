@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.trace import Trace
 from evdash.grid.acbreaches import ac_breaches
 from evdash.grid.acflow import AcNetwork, AcResult
@@ -13,8 +14,6 @@ from evdash.grid.lindistflow import voltage_pu
 from evdash.grid.radial import radial_feeder
 from evdash.metrics.breaches import in_force_only
 from evdash.metrics.records import executed_station_kw
-
-VOLTAGE, RATING = ("voltage_min:", "voltage_max:"), ("line:", "node:")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +66,8 @@ def troubles(trace: Trace, ac: AcDay) -> AcTroubles:
     """What charging did to the feeder, counted."""
     hours = trace.scenario.interval_hours
     mine = [breach for breach in ac.breaches if breach.by_station]
-    voltage = [breach for breach in mine if breach.element.startswith(VOLTAGE)]
-    rating = [breach for breach in mine if breach.element.startswith(RATING)]
+    voltage = [breach for breach in mine if breach.element.is_voltage]
+    rating = [breach for breach in mine if breach.element.is_rating]
     flow, solved = ac.flow, np.isfinite(ac.flow.losses_kw)
     error = np.abs(_linear_voltage_pu(trace) - flow.voltage_pu)[solved]
     return AcTroubles(
@@ -94,7 +93,7 @@ def _linear_voltage_pu(trace: Trace) -> np.ndarray:
 
 def longest(breaches: Iterable[Breach]) -> int:
     """Most intervals in a row in which one element was beyond its limit."""
-    beyond: dict[str, set[int]] = {}
+    beyond: dict[Element, set[int]] = {}
     for breach in breaches:
         beyond.setdefault(breach.element, set()).add(breach.interval)
     most = 0

@@ -10,10 +10,10 @@ import subprocess
 import sys
 import threading
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import IO, Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from evdash.domain.breach import Breach
 from evdash.domain.scenario import Scenario
@@ -106,13 +106,16 @@ def _told(point: AcPoint) -> dict[str, object]:
     return {
         "voltage_pu": point.voltage_pu.tolist(),
         "line_kva": point.line_kva.tolist(),
-        "breaches": [asdict(breach) for breach in point.breaches],
+        "breaches": BREACHES.dump_python(point.breaches, mode="json"),
         "failure": point.failure,
     }
 
 
+BREACHES = TypeAdapter(tuple[Breach, ...])
+
+
 def _point_of(told: Mapping[str, Any]) -> AcPoint:
-    breaches = tuple(Breach(**breach) for breach in told["breaches"])
+    breaches = BREACHES.validate_python(told["breaches"])
     voltage_pu, line_kva = (np.array(told[key], dtype=float) for key in ("voltage_pu", "line_kva"))
     return AcPoint(voltage_pu, line_kva, breaches, told["failure"])
 

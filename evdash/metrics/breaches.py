@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 from evdash.checker.feeder import FeederCheck
 from evdash.domain.breach import Breach
+from evdash.domain.elements import CHARGERS
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
-from evdash.domain.words import CHARGERS
 from evdash.metrics.outlook import spans_in_force
 from evdash.metrics.records import executed_station_kw
 

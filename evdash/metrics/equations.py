@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 from evdash.domain.trace import Step
 from evdash.domain.vehicles import Request
@@ -55,7 +56,7 @@ class NodeNumbers:
 class RatingNumbers:
     """(2) at the rated element nearest to the station: kW and kvar through it, and its limit."""
 
-    element: str
+    element: Element
     rating_kva: float
     active_kw: float
     reactive_kvar: float
@@ -103,7 +104,7 @@ class StationNumbers:
     power_kw: dict[str, float]
     chargers: int
     headroom_kw: float
-    binding: str
+    binding: Element | None
     energy_cost: float
     new_revenue: float
     bound: float | None
@@ -199,13 +200,15 @@ def rating_numbers(step: Step) -> RatingNumbers | None:
     own = next(n.rating_kva for n in scenario.nodes if n.node == scenario.station.node)
     if own is not None:
         active, reactive = -injections.active_kw[t, i], -injections.reactive_kvar[t, i]
-        return RatingNumbers(f"node:{scenario.station.node}", own, float(active), float(reactive))
+        return RatingNumbers(
+            Element("node", scenario.station.node), own, float(active), float(reactive)
+        )
     line = feeder.nearest_rated_line(scenario.station.node)
     if line is None:
         return None
     flows = line_flows(feeder, injections)
     return RatingNumbers(
-        f"line:{feeder.lines[line]}",
+        feeder.lines[line],
         float(feeder.line_rating_kva[line]),
         float(flows.active_kw[t, line]),
         float(flows.reactive_kvar[t, line]),

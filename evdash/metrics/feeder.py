@@ -7,6 +7,7 @@ import numpy as np
 
 from evdash.checker.feeder import FeederCheck
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.limits import STATION, Floats
 from evdash.domain.outlook import Outlook
 from evdash.domain.trace import Trace
@@ -56,7 +57,7 @@ def flows(trace: Trace, outlook: Outlook) -> Flows:
     return Flows(loaded, base, rating)
 
 
-def tightest(trace: Trace, interval: int, most: int) -> tuple[tuple[str, float], ...]:
+def tightest(trace: Trace, interval: int, most: int) -> tuple[tuple[Element, float], ...]:
     """The elements that leave least room for the station in an interval, and how much, kW.
 
     In AC one alone is known; of the others a row says nothing in that interval.

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats
 from evdash.domain.outlook import Outlook
 from evdash.domain.scenario import Scenario
@@ -19,7 +20,7 @@ def outlook(trace: Trace) -> Outlook:
     shape = scenario.intervals
     price, load, headroom = np.empty(shape), np.empty(shape), np.empty(shape)
     voltage, base_voltage = np.empty((2, shape, len(feeder.nodes)))
-    binding: list[str] = []
+    binding: list[Element | None] = []
     for inputs, span in spans_in_force(trace):
         price[span] = inputs.scenario.price_per_kwh[span]
         load[span] = load_kw(inputs.scenario)[span]

@@ -95,7 +95,7 @@ def interval_record(step: Step) -> IntervalRecord:
         charging=int(plan.charging[0]),
         station_kw=step.station_kw,
         headroom_kw=float(inputs.rows.headroom_kw()[interval]) if limited else None,
-        binding=inputs.rows.binding()[interval],
+        binding=inputs.scenario.file_name(inputs.rows.binding()[interval]),
         objective=plan.report.objective,
         bound=plan.report.bound,
         solve_seconds=plan.report.seconds,

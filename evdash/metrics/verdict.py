@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.trace import Network
 from evdash.metrics.ac import AcPoint
 
 Cause = Literal["station", "both", "feeder"]
 LINEARISED: Network = "lindistflow"
 FULL_AC: Network = "ac"
-NO_SOLUTION = "power_flow:"
-"""What an element's name begins with where AC power flow has no solution."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +23,10 @@ class Violation:
     """One limit exceeded in some intervals for one cause; the worst of them is told.
 
     `cause`: "station", the limit holds without charging; "feeder", charging changes nothing or
-    relieves it; "both", exceeded anyway and worsened by charging. Depths in `unit`. `element` and
-    `is_export` are those of its breaches, `limit` is the element whatever the side.
+    relieves it; "both", exceeded anyway and worsened by charging. Depths in `unit`.
     """
 
-    element: str
-    limit: str
-    is_export: bool
+    element: Element
     unit: str
     cause: Cause
     intervals: tuple[int, ...]
@@ -95,7 +91,7 @@ def ac_verdict(found: Mapping[int, AcPoint], executed: int) -> ModelVerdict:
 
 def violations(breaches: Iterable[Breach]) -> tuple[Violation, ...]:
     """Breaches of one model put together by element and cause, the station's own first."""
-    groups: dict[tuple[str, Cause], list[Breach]] = {}
+    groups: dict[tuple[Element, Cause], list[Breach]] = {}
     for breach in breaches:
         groups.setdefault((breach.element, cause_of(breach)), []).append(breach)
     found = []
@@ -105,8 +101,6 @@ def violations(breaches: Iterable[Breach]) -> tuple[Violation, ...]:
         found.append(
             Violation(
                 element=element,
-                limit=worst.limit,
-                is_export=worst.is_export,
                 unit=worst.unit,
                 cause=cause,
                 intervals=intervals,
@@ -116,7 +110,7 @@ def violations(breaches: Iterable[Breach]) -> tuple[Violation, ...]:
             )
         )
     order = {"station": 0, "both": 1, "feeder": 2}
-    return tuple(sorted(found, key=lambda v: (order[v.cause], -len(v.intervals), v.element)))
+    return tuple(sorted(found, key=lambda v: (order[v.cause], -len(v.intervals), str(v.element))))
 
 
 def cause_of(breach: Breach) -> Cause:

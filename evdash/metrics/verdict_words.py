@@ -5,9 +5,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Self
 
+from evdash.domain.elements import CHARGERS, Element
 from evdash.domain.trace import Network, Trace
-from evdash.domain.words import CHARGERS, counted, depth_words, element_words
-from evdash.metrics.verdict import NO_SOLUTION, ModelVerdict, Violation
+from evdash.domain.words import counted, depth_words, element_words
+from evdash.metrics.verdict import ModelVerdict, Violation
 
 State = Literal["bad", "note", "good", "open"]
 MODEL: Mapping[Network, str] = {"lindistflow": "in the linearised model", "ac": "by AC power flow"}
@@ -47,7 +48,7 @@ class Wording:
 
         def limit(one: Violation) -> str:
             scenario = trace.inputs_at(one.worst).scenario
-            return element_words(one.limit, scenario, name, is_export=one.is_export)
+            return element_words(one.element, scenario, name)
 
         return cls(limit, at, name)
 
@@ -75,7 +76,7 @@ def in_brief(model: ModelVerdict, wording: Wording) -> str:
             worst[one.unit] = one
     return ", ".join(
         f"no AC solution at {wording.at(one.worst)}"
-        if one.element.startswith(NO_SOLUTION)
+        if one.element.kind == "power_flow"
         else f"{wording.limit(one)} by {depth_words(one.depth, one.unit)} at "
         f"{wording.at(one.worst)}"
         for one in worst.values()
@@ -98,7 +99,7 @@ def _model(model: ModelVerdict) -> str:
 
 
 def _is_of_feeder(one: Violation) -> bool:
-    return one.element != CHARGERS and not one.element.startswith(NO_SOLUTION)
+    return one.element.is_voltage or one.element.is_rating
 
 
 def _chargers(model: ModelVerdict, wording: Wording) -> list[Sentence]:
@@ -125,7 +126,7 @@ def _without_solution(model: ModelVerdict, wording: Wording) -> list[Sentence]:
             _when(one.intervals, one.intervals[0], wording, "first"),
         )
         for one in model.violations
-        if one.element.startswith(NO_SOLUTION)
+        if one.element.kind == "power_flow"
     ]
 
 
@@ -152,10 +153,10 @@ def _limits(found: Iterable[Violation]) -> str:
 
 def _each(found: Sequence[Violation], wording: Wording) -> str:
     """Limit by limit: which, by how much, when. Neighbours' voltages go together: one for all."""
-    groups: dict[str, list[Violation]] = {}
+    groups: dict[Element | str, list[Violation]] = {}
     for one in found:
-        kind = one.element.partition(":")[0] if one.unit == "pu" else one.element
-        groups.setdefault(kind, []).append(one)
+        of = one.element.kind if one.element.is_voltage else one.element
+        groups.setdefault(of, []).append(one)
     told = [_group(group, wording) for group in groups.values()]
     rest = [one for group in list(groups.values())[MOST:] for one in group]
     return "; ".join([*told[:MOST], *([f"and {_limits(rest)} more"] if rest else [])])

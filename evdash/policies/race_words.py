@@ -120,7 +120,7 @@ def _from_outside(race: Race) -> Iterator[str]:
 def _limits(race: Race) -> list[str]:
     """Under whom charging exceeds which limits in either model, and under whom it does not."""
     wording = Wording(
-        lambda one: element_name(one.limit, is_export=one.is_export),
+        lambda one: element_name(one.element),
         lambda t: f"{race.times[t]:%H:%M}",
     )
     told = []

@@ -135,13 +135,16 @@ def _settings_of(given: Scenario) -> Scenario:
     return given.replacing(events=(), arrivals=RecordedArrivals())
 
 
-def transformers(scenario: Scenario) -> tuple[str, ...]:
-    """Lines with a rating, any of which may be a transformer, the one nearest the station first."""
-    feeder = radial_feeder(scenario)
-    nearest = feeder.nearest_rated_line(scenario.station.node)
-    names = [line.name for line in scenario.lines if line.rating_kva]
-    first = [] if nearest is None else [feeder.lines[nearest]]
-    return tuple(dict.fromkeys([name for name in first if name in names] + names))
+def transformers(scenario: Scenario) -> dict[str, Line]:
+    """Lines with a rating, any of which may be a transformer, the one nearest the station first.
+
+    By the name that files give them.
+    """
+    nearest = radial_feeder(scenario).nearest_rated_line(scenario.station.node)
+    rated = [line for line in scenario.lines if line.rating_kva]
+    if nearest is not None:
+        rated.sort(key=lambda line: line is not scenario.lines[nearest])
+    return {scenario.file_name(line.element).removeprefix("line:"): line for line in rated}
 
 
 def transformer_of(scenario: Scenario, name: str = "") -> Line | None:
@@ -150,8 +153,7 @@ def transformer_of(scenario: Scenario, name: str = "") -> Line | None:
     if name and name not in names:
         allowed = f"should be a line with a rating: {', '.join(names) or 'there is none'}"
         raise InputError([Fault("the transformer", repr(name), allowed)])
-    chosen = name or (names[0] if names else "")
-    return next((line for line in scenario.lines if line.name == chosen), None)
+    return names[name] if name else next(iter(names.values()), None)
 
 
 def _aged(scenario: Scenario, line: Line, verdict: Verdict, thermal: Thermal) -> Aged | None:

@@ -18,7 +18,6 @@ from evdash.charts.standalone import of_finished_day
 from evdash.charts.style import Figure, spans
 from evdash.charts.voltages import voltages_alt, voltages_figure, voltages_table
 from evdash.domain.breach import Breach
-from evdash.domain.words import element_name
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.feeder import flows, gaps
 from evdash.metrics.totals import totals
@@ -94,14 +93,13 @@ def load_chart(account: Account) -> Chart:
 def headroom_chart(account: Account) -> Chart:
     """Room for charging and what limits it."""
     ahead = account.outlook
-    names = {element: element_name(element) for element in ahead.binding if element}
     return Chart(
         "headroom",
         "Room for charging, and what limits it",
         "The look of a bar names the element that is reached first.",
-        of_finished_day(headroom_figure(ahead, names), ahead),
-        headroom_alt(ahead, names),
-        {AS_TABLE: headroom_table(ahead, names)},
+        of_finished_day(headroom_figure(ahead), ahead),
+        headroom_alt(ahead),
+        {AS_TABLE: headroom_table(ahead)},
     )
 
 

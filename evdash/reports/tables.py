@@ -143,7 +143,7 @@ def violation_rows(account: Account) -> list[Row]:
     )
     return [
         {
-            "Limit": element_name(found.limit, is_export=found.is_export),
+            "Limit": element_name(found.element),
             "Model": model,
             "Cause": CAUSES[found.cause],
             "Beyond by": depth_words(found.depth, found.unit),
@@ -208,7 +208,7 @@ def loading_percent(account: Account) -> tuple[tuple[str, ...], Floats, Floats]:
     for inputs, span in spans_in_force(account.trace):
         rating[span] = radial_feeder(inputs.scenario).line_rating_kva
     rated = np.flatnonzero(np.isfinite(rating).all(axis=0) & (rating > 0).all(axis=0))
-    names = tuple(verdict.flow.lines[line] for line in rated)
+    names = tuple(verdict.flow.lines[line].name for line in rated)
     loads = [
         100 * flow.line_kva[:, rated] / rating[:, rated] for flow in (verdict.base, verdict.flow)
     ]

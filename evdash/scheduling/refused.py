@@ -13,6 +13,7 @@ from math import ceil, floor
 
 import numpy as np
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.plan import Plan, Policy, Refusal, Snapshot
 from evdash.domain.refusal import RefusalKind, RefusalReason
@@ -277,12 +278,12 @@ def _no_room(probe: Probe) -> RefusalReason:
     return RefusalReason(kind, elements=_short_elements(snapshot, probe.request, left_kw))
 
 
-def _short_elements(snapshot: Snapshot, request: Request, left_kw: Floats) -> tuple[str, ...]:
+def _short_elements(snapshot: Snapshot, request: Request, left_kw: Floats) -> tuple[Element, ...]:
     """The tightest elements where less is left, (slots,), than it takes; of most slots first."""
     top_kw = min(request.max_kw, request.need_kwh / snapshot.interval_hours)
     binding = snapshot.rows.binding()
     short = Counter(binding[slot] for slot in np.flatnonzero(left_kw < top_kw))
-    return tuple(name for name, _ in short.most_common())
+    return tuple(element for element, _ in short.most_common() if element)
 
 
 def _window(snapshot: Snapshot, request: Request) -> int:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
 
-from evdash.domain.scenario import Line, Node, Scenario
+from evdash.domain.scenario import FIRST_ROW, Line, Node, Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.overrides import Setting, apply_settings
 from evdash.files.validate import Raw, validate
@@ -74,8 +74,11 @@ def _voltage_band(raw: Raw, _: str, value: Any) -> Raw:
 
 
 def _line(raw: Raw, rest: str, value: Any) -> Raw:
+    row_of = {id(row): n for n, row in enumerate(raw["lines"], start=FIRST_ROW)}
+
     def names(row: Raw) -> tuple[str, ...]:
-        return f"{row['from_node']}-{row['to_node']}", f"{row['to_node']}-{row['from_node']}"
+        ends = row["from_node"], row["to_node"]
+        return f"{ends[0]}-{ends[1]}", f"{ends[1]}-{ends[0]}", f"row {row_of[id(row)]}"
 
     return raw | {"lines": _cell(raw["lines"], names, _columns(Line), rest, value)}
 
@@ -103,9 +106,13 @@ def _cell(
     name, _, column = rest.rpartition(".")
     if column not in columns:
         raise LookupError(f"no column {column!r}; columns are {', '.join(columns)}")
-    if not any(name in names(row) for row in rows):
+    called = [row for row in rows if name in names(row)]
+    if not called:
         known = ", ".join(names(row)[0] for row in rows)
         raise LookupError(f"nothing called {name!r}; there are {known}")
+    if len(called) > 1:
+        which = " or ".join(repr(names(row)[-1]) for row in called)
+        raise LookupError(f"{len(called)} called {name!r}; should be {which}")
     cell = None if value == "" else value
     return [row | {column: cell} if name in names(row) else row for row in rows]
 

@@ -106,7 +106,7 @@ def _lowest(voltage_pu: Floats) -> float | None:
 def _tightest(day: Day) -> str:
     """What limits the station in the interval with least headroom."""
     step = day.trace.steps[int(day.headroom_kw.argmin())]
-    return step.inputs.rows.binding()[step.interval]
+    return step.inputs.scenario.file_name(step.inputs.rows.binding()[step.interval])
 
 
 def _decided(day: Day, status: str) -> int:

@@ -127,15 +127,14 @@ def band(scenario: Scenario) -> Study:
 def limiting_line(scenario: Scenario) -> tuple[str, float] | None:
     """The rated line that is tightest for the station in most intervals, and its rating, kVA."""
     found = Counter(
-        element.partition(":")[2]
+        element
         for element in limit_rows(scenario).binding()
-        if element.startswith("line:")
+        if element is not None and element.kind == "line"
     )
-    ratings = {line.name: line.rating_kva for line in scenario.lines}
-    for name, _ in found.most_common(1):
-        rating = ratings.get(name)
+    for element, _ in found.most_common(1):
+        rating = scenario.rating_kva_of(element)
         if rating:
-            return name, rating
+            return scenario.file_name(element).removeprefix("line:"), rating
     return None
 
 

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from evdash.domain.elements import CHARGERS
 from evdash.domain.outlook import Outlook
 from evdash.domain.refusal import named
 from evdash.domain.trace import Trace
-from evdash.domain.words import CHARGERS
 from evdash.explain.binding import REACHED_KW, reached_in
 from evdash.metrics.ledger import LedgerEntry, broken_promises, ledger
 from evdash.metrics.records import refused_by_reason, vehicle_records

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 
 from evdash.domain import words
+from evdash.domain.elements import Element
 from evdash.domain.outlook import Outlook
 from evdash.domain.plan import SolveReport
 from evdash.domain.scenario import Scenario
@@ -64,7 +65,7 @@ def markdown_table(rows: Sequence[Mapping[str, object]]) -> str:
     return "\n".join(lines)
 
 
-def element_words(element: str, scenario: Scenario) -> str:
+def element_words(element: Element | None, scenario: Scenario) -> str:
     """A binding element as a person would name it."""
     return words.element_words(element, scenario, plain)
 

@@ -20,6 +20,7 @@ from evdash.charts.race import profit_alt, profit_figure
 from evdash.checker.feeder import FeederCheck
 from evdash.cli.report import print_report
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.trace import Network, Trace
 from evdash.domain.words import element_name
 from evdash.files.bundled import bundled_scenarios
@@ -144,8 +145,12 @@ def judged(request: pytest.FixtureRequest) -> Judged:
 def test_both_verdicts_are_the_referees(judged: Judged) -> None:
     for model in judged.verdict.models:
         found = judged.found[model.network]
-        assert {(v.element, t) for v in model.by_charging for t in v.intervals} == found.by_charging
-        assert {(v.element, t) for v in model.by_feeder for t in v.intervals} == found.by_feeder
+        assert {
+            (str(v.element), t) for v in model.by_charging for t in v.intervals
+        } == found.by_charging
+        assert {
+            (str(v.element), t) for v in model.by_feeder for t in v.intervals
+        } == found.by_feeder
         for unit, deepest in (("pu", found.deepest_pu), ("kVA", found.deepest_kva)):
             depths = [v.depth for v in model.by_charging if v.unit == unit]
             assert max(depths, default=0.0) == pytest.approx(deepest, abs=1e-5)
@@ -224,7 +229,7 @@ def test_the_drawing_of_every_hour(judged: Judged) -> None:
             assert sum(len(n["x"]) for n in drawn) == len(nodes)
             mine = {e for e, when in judged.found[network].by_charging if when == t}
             assert (f"{MODELS[network]}, charging" in words) == bool(mine)
-            assert all(element_name(e) in feeder_alt(moment) for e in over[network])
+            assert all(element_name(Element.read(e)) in feeder_alt(moment) for e in over[network])
 
 
 def at(breaches: Sequence[Breach], interval: int) -> tuple[Breach, ...]:

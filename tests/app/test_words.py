@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from evdash.domain.elements import Element
 from evdash.domain.plan import SolveReport
 from evdash.domain.refusal import CLAUSES
 from evdash.domain.trace import Trace
@@ -117,8 +118,8 @@ def test_names_cannot_become_markup(name: str) -> None:
     everything = [
         story(trace, outlook(trace), totals(trace)),
         *decision_lines(trace.steps[0], outlook(trace)),
-        element_words(f"voltage_min:{name}", scenario),
-        element_words(f"line:s-{name}", scenario),
+        element_words(Element("voltage_min", name), scenario),
+        element_words(Element("line", "s", name), scenario),
     ]
     for text in everything:
         assert name not in text

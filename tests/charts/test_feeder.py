@@ -24,6 +24,7 @@ from evdash.charts.feeder_moment import (
 from evdash.charts.headroom import headroom_alt, headroom_figure, headroom_table
 from evdash.charts.voltage_map import map_figure
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.horizon.day import run_day, start_day
@@ -52,11 +53,7 @@ def in_ac(trace: Trace, interval: int, *breaches: Breach) -> AcPoint:
 
 
 def breach(element: str, depth: float, unit: str = "kVA", interval: int = EVENING) -> Breach:
-    return Breach(interval, element, depth, 0.0, unit, 1e-6, element.endswith(":export"))
-
-
-def names_of(trace: Trace) -> dict[str, str]:
-    return {element: f"limit {element}" for element in outlook(trace).binding if element}
+    return Breach(interval, Element.read(element), depth, 0.0, unit, 1e-6)
 
 
 def figures_of(trace: Trace) -> list[dict[str, Any]]:
@@ -68,7 +65,7 @@ def figures_of(trace: Trace) -> list[dict[str, Any]]:
         *(feeder_figure(moment(trace, last, way=way)) for way in ("with", "without", "difference")),
         feeder_figure(moment(trace, last, ac=in_ac(trace, last))),
         *(map_figure(ahead, ac, order, way) for way in ("with", "without", "difference")),
-        headroom_figure(ahead, names_of(trace)),
+        headroom_figure(ahead),
         ac_gap_figure(ahead, gaps(ahead, ac)),
     ]
 
@@ -117,7 +114,7 @@ def test_without_charging_and_the_difference_add_up(traces) -> None:
 
 def test_the_tightest_element_is_marked(traces) -> None:
     trace = traces["end"]
-    assert outlook(trace).binding[EVENING] == "line:633-634"
+    assert str(outlook(trace).binding[EVENING]) == "line:633-634"
     halo = named(feeder_figure(moment(trace)), "Tightest limit")
     assert halo["x"] == [350.0, 400.0]  # from node 633 to node 634
     assert halo["mode"] == "lines"
@@ -185,22 +182,21 @@ def test_the_map_has_every_node_once_and_contours_at_limits(traces) -> None:
 def test_headroom_has_a_look_for_each_element(traces) -> None:
     trace = traces["end"]
     ahead = outlook(trace)
-    two = ("line:633-634",) * 12 + ("voltage_min:652",) * 12
-    names = {"line:633-634": "rating of 633-634", "voltage_min:652": "voltage at 652"}
-    figure = headroom_figure(replace(ahead, binding=two), names)
-    first, second = (named(figure, name) for name in names.values())
+    two = (Element("line", "633", "634"),) * 12 + (Element("voltage_min", "652"),) * 12
+    figure = headroom_figure(replace(ahead, binding=two))
+    first, second = (named(figure, name) for name in ("rating of 633-634", "voltage at 652"))
     assert first["y"] + second["y"] == pytest.approx(list(ahead.headroom_kw), abs=1e-3)
     assert first["marker"]["pattern"]["shape"] != second["marker"]["pattern"]["shape"]
-    rows = headroom_table(ahead, names_of(trace))
+    rows = headroom_table(ahead)
     assert [row["Station, kW"] for row in rows] == pytest.approx(list(ahead.station_kw), abs=0.06)
-    assert f"{ahead.headroom_kw.min():.0f} kW" in headroom_alt(ahead, names_of(trace))
+    assert f"{ahead.headroom_kw.min():.0f} kW" in headroom_alt(ahead)
 
 
 def test_a_feeder_that_limits_nothing_says_so() -> None:
     trace = run_day(start_day(make_scenario(lines=[line("s", "a", r=0.0)])), p1_policy())
-    figure = headroom_figure(outlook(trace), {})
+    figure = headroom_figure(outlook(trace))
     assert "no limit" in json.dumps(figure)
-    assert "no limit" in headroom_alt(outlook(trace), {})
+    assert "no limit" in headroom_alt(outlook(trace))
 
 
 def test_ac_below_the_limit_is_red_and_crossed(traces) -> None:

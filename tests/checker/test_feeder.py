@@ -73,7 +73,7 @@ def test_a_breach_tells_where_when_and_by_how_much():
         price=[0.1, 0.1],
     )
     (breach,) = FeederCheck(scenario).breaches(np.array([5.0, 12.0]))
-    assert (breach.interval, breach.element, breach.unit) == (1, "line:s-a", "kVA")
+    assert (breach.interval, str(breach.element), breach.unit) == (1, "line:s-a", "kVA")
     assert (breach.depth, breach.base_depth) == (pytest.approx(8), 0)  # 42 kW and 40 kvar: 58
 
 

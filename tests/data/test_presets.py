@@ -14,7 +14,7 @@ from evdash.horizon.day import run_day, start_day
 from evdash.horizon.networks import NETWORKS
 from evdash.metrics.records import interval_records
 from evdash.scheduling.p1 import p1_policy
-from tests.builders import PRESETS
+from tests.builders import PRESETS, names
 
 DATA = PRESETS.parent
 SOURCES = sorted((DATA / "sources").glob("*.csv"))
@@ -72,7 +72,7 @@ def test_every_feeder_keeps_its_limits_by_itself(presets):
 
 def test_transformer_binds_all_day_or_voltage_from_noon_on(presets):
     for name, scenario in presets.items():
-        binding = limit_rows(scenario).binding()
+        binding = names(limit_rows(scenario).binding())
         expected = {"line:633-634"} if name != "voltage-limited" else {"voltage_min:652"}
         assert set(binding if name != "voltage-limited" else binding[12:]) == expected
 

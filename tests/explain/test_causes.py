@@ -2,6 +2,7 @@
 
 import pytest
 
+from evdash.domain.elements import Element
 from evdash.domain.refusal import CLAUSES
 from evdash.errors import SolverFailure
 from evdash.explain.refusals import explain_vehicle
@@ -18,7 +19,7 @@ def test_headroom_set_by_a_rating():
     """One slot, 10 kWh asked: 7 kW are left in it, 3 are missing."""
     told = explained(roomy([7.0, 30.0], vehicles=[vehicle("v", need_kwh=8.0)]))
     assert told.cause.kind == "feeder"
-    assert told.cause.taken.headroom == ((0, "node:a"),)
+    assert told.cause.taken.headroom == ((0, Element("node", "a")),)
     assert by(told) == {"headroom": 1.0, "time": 1.0}
     assert helpless(told) == {"chargers", "price"}
     assert told.text == (
@@ -38,7 +39,7 @@ def test_headroom_set_by_the_transformer():
     )
     told = explained(scenario)
     assert told.cause.kind == "feeder"
-    assert told.cause.taken.headroom == ((0, "line:m-a"),)
+    assert told.cause.taken.headroom == ((0, Element("line", "m", "a")),)
     assert "line or transformer m–a (40 kVA)" in told.detail
     assert by(told)["headroom"] == 1.0
 
@@ -53,7 +54,7 @@ def test_headroom_set_by_a_voltage():
     )
     told = explained(scenario)
     assert told.cause.kind == "feeder"
-    assert told.cause.taken.headroom == ((0, "voltage_min:b"),)
+    assert told.cause.taken.headroom == ((0, Element("voltage_min", "b")),)
     assert "the lowest voltage allowed at node b (0.995 pu)" in told.detail
 
 
@@ -153,7 +154,7 @@ def test_too_little_time():
     assert told.cause.kind == "feeder"
     assert told.cause.by_pace
     assert "but not at the pace of its own 8 kW" in told.detail
-    assert told.cause.taken.headroom == ((1, "node:a"),)
+    assert told.cause.taken.headroom == ((1, Element("node", "a")),)
     assert by(told) == {"headroom": 3.0, "time": 1}
 
 

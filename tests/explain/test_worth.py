@@ -2,8 +2,9 @@
 
 import pytest
 
+from evdash.domain.elements import CHARGERS, Element
 from evdash.domain.events import Event
-from evdash.explain.binding import CHARGERS, binding_elements, binding_told
+from evdash.explain.binding import binding_elements, binding_told
 from evdash.explain.words import Clock
 from evdash.explain.worth import binding_rating, day_worths, higher_rating
 from evdash.files.bundled import DEFAULT, PRESETS
@@ -15,6 +16,8 @@ from evdash.metrics.records import interval_records
 from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
 from tests.explain.cases import ran
+
+TRANSFORMER = Element("line", "633", "634")
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +54,7 @@ def test_worths_equal_running_the_day_by_hand(bundled):
 def test_a_wider_band_is_worth_most_where_voltage_binds():
     trace = ran(read_scenario(PRESETS / "voltage-limited", ()))
     rows = binding_elements(trace)
-    assert rows[0].element.startswith("voltage_min:")
+    assert rows[0].element.kind == "voltage_min"
     *_, band = day_worths(trace)
     assert band.profit > 10
     assert "earned $" in band.text
@@ -81,12 +84,12 @@ def test_the_table_of_binding_elements_equals_the_records(bundled):
     records = interval_records(bundled)
     for element, row in rows.items():
         if element != CHARGERS:
-            assert row.tightest == tuple(r.interval for r in records if r.binding == element)
+            assert row.tightest == tuple(r.interval for r in records if r.binding == str(element))
     full = tuple(r.interval for r in records if r.charging == 12)
     assert rows[CHARGERS].reached == full
     reached = tuple(r.interval for r in records if r.station_kw >= r.headroom_kw - 0.05)
-    assert rows["line:633-634"].reached == reached
-    assert binding_rating(bundled) == "line:633-634"
+    assert rows[TRANSFORMER].reached == reached
+    assert binding_rating(bundled) == TRANSFORMER
 
 
 def test_without_limits_nothing_binds():
@@ -116,7 +119,7 @@ def test_what_happens_on_the_way_happens_again(bundled):
 
 def test_a_lowered_rating_is_raised_where_it_was_lowered(bundled):
     lowered = Event(interval=12, event="rating", subject="line:633-634", value=450.0)
-    raised_both = higher_rating(bundled.scenario.replacing(events=(lowered,)), "line:633-634")
+    raised_both = higher_rating(bundled.scenario.replacing(events=(lowered,)), TRANSFORMER)
     assert raised_both.events[0].value == 460.0
     line = next(one for one in raised_both.lines if one.name == "633-634")
     assert line.rating_kva == 510.0
@@ -141,4 +144,4 @@ def test_in_ac_too_only_that_is_reached_which_leaves_no_more_room(preset):
         if r.headroom_kw - r.station_kw <= max(0.05, 1e-3 * r.headroom_kw)
     }
     rows = [row for row in binding_elements(trace) if row.element != CHARGERS]
-    assert {(t, row.element) for row in rows for t in row.reached} == full
+    assert {(t, str(row.element)) for row in rows for t in row.reached} == full

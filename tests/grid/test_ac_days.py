@@ -20,6 +20,7 @@ from evdash.horizon.day import run_day, start_day
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
+from tests.builders import names
 
 KINDS = {"voltage": "voltage_min", "line": "line", "transformer": "line", "connection": "node"}
 """Kinds of limits and what their elements are called."""
@@ -56,7 +57,7 @@ def limited_tree(bare: Scenario, network: AcNetwork, seed: int, kind: str) -> Sc
         return with_connection(bare, own_kva)
     way = way_to_station(bare)
     line = way[len(way) // 2] if kind == "transformer" else way[seed % len(way)]
-    carried_kva = float(flow.line_kva[0, flow.lines.index(line.name)])
+    carried_kva = float(flow.line_kva[0, flow.lines.index(line.element)])
     return with_lines(bare, *(rated(x, carried_kva) if x == line else x for x in bare.lines))
 
 
@@ -118,7 +119,11 @@ class Judge:
             breach
             for breach in self.breaches(np.arange(len(station_kw)), station_kw)
             if breach.depth - breach.base_depth
-            > (MOST_PU if breach.unit == "pu" else MOST_SHARE * ratings.get(breach.element, 0.0))
+            > (
+                MOST_PU
+                if breach.unit == "pu"
+                else MOST_SHARE * ratings.get(str(breach.element), 0.0)
+            )
         ]
 
 
@@ -135,12 +140,12 @@ def assert_limits_hold_and_bind(seed: int, kind: str) -> None:
     trace, judge = day_of(scenario), Judge(scenario, network)
     station_kw, rows = executed_station_kw(trace), trace.inputs.rows
     assert judge.too_far(station_kw) == []
-    headroom_kw, binding = rows.headroom_kw(), rows.binding()
+    headroom_kw, binding = rows.headroom_kw(), names(rows.binding())
     reached = np.flatnonzero((station_kw >= REACHED * headroom_kw) & (headroom_kw > 1))
     assert len(reached)
     assert {binding[t].partition(":")[0] for t in reached} == {KINDS[kind]}
     beyond = judge.breaches(reached, 1.02 * headroom_kw[reached])
-    assert {(b.interval, b.element) for b in beyond} >= {(int(t), binding[t]) for t in reached}
+    assert {(b.interval, str(b.element)) for b in beyond} >= {(int(t), binding[t]) for t in reached}
 
 
 def assert_nothing_broken(seed: int) -> None:

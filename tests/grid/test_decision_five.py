@@ -25,12 +25,12 @@ def fork(a=None, b=None, c=None, *, lines=None, station="b", **fields):
 
 def headroom(scenario):
     rows = limit_rows(scenario)
-    return rows.headroom_kw()[0], rows.binding()[0]
+    return rows.headroom_kw()[0], str(rows.binding()[0])
 
 
 def breaches(scenario, station_kw=0.0):
     found = FeederCheck(scenario).breaches(np.array([station_kw]))
-    return {breach.element: breach.by_station for breach in found}
+    return {str(breach.element): breach.by_station for breach in found}
 
 
 def test_under_voltage_beside_the_way_is_reported_and_blocks_nothing():

@@ -159,5 +159,5 @@ def test_rows_bind_at_the_element_that_was_tightened():
         for seed in range(6):
             rows = limit_rows(random_day(seed, kind))
             tightest = rows.headroom_kw().argmin()
-            assert rows.binding()[tightest].startswith(element)
+            assert str(rows.binding()[tightest]).startswith(element)
             assert 7.9 < rows.headroom_kw()[tightest] < 14.1

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import LimitRows
 from evdash.files.scenario_folder import read_scenario
 from evdash.grid.lindistflow import voltage_pu
 from evdash.grid.radial import radial_feeder
 from evdash.grid.reduction import limit_rows
-from tests.builders import PRESETS, line, make_scenario, node, scenarios
+from tests.builders import PRESETS, line, make_scenario, names, node, scenarios
+
+A, B = Element("node", "a"), Element("node", "b")
 
 
 def way(**limits):
@@ -33,18 +36,22 @@ def way(**limits):
 
 def row(scenario, element):
     rows = limit_rows(scenario)
-    return rows.limit_kw[0, rows.elements.index(element)]
+    return rows.limit_kw[0, names(rows.elements).index(element)]
 
 
 def test_without_ratings_there_is_a_row_for_the_voltage_of_every_node_of_a_shared_way():
-    assert set(limit_rows(way()).elements) == {"voltage_min:a", "voltage_min:b", "voltage_min:c"}
+    assert set(names(limit_rows(way()).elements)) == {
+        "voltage_min:a",
+        "voltage_min:b",
+        "voltage_min:c",
+    }
 
 
 def test_a_node_that_shares_no_line_with_the_station_has_no_row():
     scenario = make_scenario(
         nodes=[node("s"), node("a"), node("b", load_kw=50)], lines=[line("s", "a"), line("s", "b")]
     )
-    assert limit_rows(scenario).elements == ("voltage_min:a",)
+    assert names(limit_rows(scenario).elements) == ("voltage_min:a",)
 
 
 def test_rating_of_the_stations_node_leaves_what_reactive_power_and_load_do_not_take():
@@ -54,12 +61,12 @@ def test_rating_of_the_stations_node_leaves_what_reactive_power_and_load_do_not_
 
 
 def test_rating_of_another_node_is_no_row():
-    assert "node:c" not in limit_rows(way(node_c=1)).elements
+    assert "node:c" not in names(limit_rows(way(node_c=1)).elements)
 
 
 def test_lines_on_the_way_have_rows_named_as_in_the_table_and_others_have_none():
     rows = limit_rows(way(s_a=170, b_a=170, a_c=1))
-    assert {e for e in rows.elements if e.startswith("line:")} == {"line:s-a", "line:b-a"}
+    assert {e for e in names(rows.elements) if e.startswith("line:")} == {"line:s-a", "line:b-a"}
     assert row(way(s_a=170), "line:s-a") == pytest.approx(150 - 100)  # 30 + 60 + 10 downstream
     assert row(way(b_a=170), "line:b-a") == pytest.approx(150 - 60)
 
@@ -67,7 +74,7 @@ def test_lines_on_the_way_have_rows_named_as_in_the_table_and_others_have_none()
 def test_voltage_row_is_the_station_power_that_meets_the_limit():
     scenario = way()
     feeder, rows = radial_feeder(scenario), limit_rows(scenario)
-    for element, limit_kw in zip(rows.elements, rows.limit_kw[0], strict=True):
+    for element, limit_kw in zip(names(rows.elements), rows.limit_kw[0], strict=True):
         index = feeder.node_index(element.removeprefix("voltage_min:"))
         met = voltage_pu(scenario, feeder, np.array([limit_kw]))[0, index]
         assert met == pytest.approx(scenario.feeder.voltage_min_pu, abs=1e-12)
@@ -82,15 +89,15 @@ def test_rows_are_finite_and_one_for_each_element(scenario):
 
 
 def test_headroom_is_the_smallest_row_and_never_negative_and_binding_names_it():
-    rows = LimitRows(("a", "b"), np.ones((2, 1)), np.array([[5.0, 7.0], [9.0, 8.0], [-1.0, -4.0]]))
+    rows = LimitRows((A, B), np.ones((2, 1)), np.array([[5.0, 7.0], [9.0, 8.0], [-1.0, -4.0]]))
     assert rows.headroom_kw().tolist() == [5.0, 8.0, 0.0]
-    assert rows.binding() == ("a", "b", "b")
+    assert rows.binding() == (A, B, B)
     assert rows.from_interval(1).headroom_kw().tolist() == [8.0, 0.0]
 
 
 def test_headroom_respects_coefficients():
-    rows = LimitRows(("a", "b"), np.array([[1.0], [2.0]]), np.array([[5.0, 8.0]]))
-    assert (rows.headroom_kw().tolist(), rows.binding()) == ([4.0], ("b",))
+    rows = LimitRows((A, B), np.array([[1.0], [2.0]]), np.array([[5.0, 8.0]]))
+    assert (rows.headroom_kw().tolist(), rows.binding()) == ([4.0], (B,))
 
 
 def test_a_feeder_without_any_limit_in_reach_has_unlimited_headroom():
@@ -98,7 +105,7 @@ def test_a_feeder_without_any_limit_in_reach_has_unlimited_headroom():
     rows = limit_rows(scenario)
     assert rows.elements == ()
     assert rows.headroom_kw().tolist() == [np.inf, np.inf]
-    assert rows.binding() == ("", "")
+    assert rows.binding() == (None, None)
 
 
 # Station headroom in whole kW of the 13-node feeder by linearised DistFlow, computed once by a
@@ -139,9 +146,9 @@ def test_headroom_agrees_with_the_comparison_values(ieee13, source_pu, scale, st
 
 def test_bundled_days_bind_where_they_say(ieee13):
     rows = limit_rows(ieee13)
-    assert set(rows.binding()) == {"line:633-634"}
+    assert set(names(rows.binding())) == {"line:633-634"}
     # 500 kVA less a load of 400 kW at power factor 0.9
     full = 500**2 - (400 * np.sqrt(1 - 0.81) / 0.9) ** 2
     assert rows.headroom_kw()[18] == pytest.approx(np.sqrt(full) - 400)
     binding = limit_rows(read_scenario(PRESETS / "voltage-limited")).binding()
-    assert set(binding[12:]) == {"voltage_min:652"}
+    assert set(names(binding[12:])) == {"voltage_min:652"}

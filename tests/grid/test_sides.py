@@ -16,7 +16,7 @@ from evdash.grid.acbreaches import ac_breaches
 from evdash.grid.acflow import ac_flow
 from evdash.grid.aclimits import AcFeeder, ac_limit_rows
 from evdash.grid.reduction import limit_rows
-from tests.builders import line, make_scenario, node
+from tests.builders import line, make_scenario, names, node
 from tests.grid.sides_referee import SHORT, WIDE, Referee, exporting, generating
 
 TOLERANCE_KVA = 2e-3
@@ -29,7 +29,7 @@ def test_an_export_allows_no_mirrored_import(rated: str) -> None:
         assert rows.headroom_kw() == pytest.approx([750 + 300] * 4, rel=1e-4)
     base = ac_flow(scenario, np.zeros(4))
     own = ac_breaches(scenario, base, base)
-    assert {breach.element.split(":")[-1] for breach in own} == {"export"}
+    assert {str(breach.element).split(":")[-1] for breach in own} == {"export"}
     assert not any(breach.by_station for breach in own)
     over = ac_breaches(scenario, ac_flow(scenario, np.full(4, 1494.0)), base)
     assert {(breach.by_station, breach.unit) for breach in over} == {(True, "kVA")}
@@ -53,7 +53,7 @@ def test_reactive_losses_of_an_export_allow_no_import() -> None:
         (over,) = ac_breaches(scenario, ac_flow(scenario, station_kw), base)
         (certified,) = AcFeeder(scenario).breaches(station_kw)
         for breach in (over, certified):
-            assert (breach.element, breach.base_depth) == ("line:s-a", 0.0)
+            assert (str(breach.element), breach.base_depth) == ("line:s-a", 0.0)
             assert breach.by_station
 
 
@@ -70,7 +70,7 @@ def test_reactive_power_is_not_blamed_on_who_turns_active_power_round() -> None:
     )
     for rows in (limit_rows(scenario), ac_limit_rows(scenario)):
         assert rows.headroom_kw() == pytest.approx([50], abs=0.1)
-        assert rows.binding() == ("node:a",)
+        assert names(rows.binding()) == ("node:a",)
     base = ac_flow(scenario, np.zeros(1))
 
     def judged(kw: float) -> list[Breach]:
@@ -87,7 +87,7 @@ def test_reactive_power_is_not_blamed_on_who_turns_active_power_round() -> None:
         )
         assert not any(breach.by_station for breach in judged(kw))
     for kw in (52.0, 100.0):
-        assert all(breach.by_station and not breach.is_export for breach in judged(kw))
+        assert all(breach.by_station and not breach.element.is_export for breach in judged(kw))
 
 
 def test_reactive_power_alone_beyond_a_rating_is_reported() -> None:
@@ -103,7 +103,7 @@ def test_reactive_power_alone_beyond_a_rating_is_reported() -> None:
         return linear, ac_breaches(scenario, loaded, base)
 
     for found in breaches(0.0, 200.0, 0.0):
-        assert {b.element for b in found} == {"node:a", "line:s-a"}
+        assert {str(b.element) for b in found} == {"node:a", "line:s-a"}
         assert [b.depth for b in found] == pytest.approx([100.0] * 2, rel=1e-3)
         assert not any(b.by_station for b in found)
     for found in breaches(0.0, 150.0, 20.0):
@@ -146,7 +146,7 @@ def test_ac_breaches_and_the_certificate_name_pandapowers_sides(
         right = referee.worsened(t, station_kw)
         surely = {name for name, kva in right.items() if kva > TOLERANCE_KVA}
         for judge, tolerance in ((found, 1e-3), (certificate, 1e-4)):
-            mine = {b.element for b in judge if b.interval == t and b.by_station}
+            mine = {str(b.element) for b in judge if b.interval == t and b.by_station}
             rated = {name for name in mine if name.startswith(("line", "node"))}
             assert surely <= rated
             assert all(right.get(name, 0.0) > tolerance / 2 for name in rated)
@@ -156,7 +156,7 @@ def test_ac_breaches_and_the_certificate_name_pandapowers_sides(
 @settings(max_examples=40)
 def test_ac_headroom_is_what_pandapower_allows_side_by_side(scenario: Scenario) -> None:
     rows = ac_limit_rows(scenario)
-    headroom, binding = rows.headroom_kw(), rows.binding()
+    headroom, binding = rows.headroom_kw(), names(rows.binding())
     referee = Referee(scenario)
     for t in range(scenario.intervals):
         if not binding[t].startswith(("line", "node")):
@@ -177,9 +177,9 @@ def test_the_linear_checker_keeps_sides_apart_as_the_rows_do(
     """Breaches against the closed form of (2), summed over what lies below."""
     rows, check = limit_rows(scenario), FeederCheck(scenario)
     every = np.full(scenario.intervals, station_kw)
-    found = {(b.interval, b.element): b for b in check.breaches(every)}
+    found = {(b.interval, str(b.element)): b for b in check.breaches(every)}
     for t in range(scenario.intervals):
-        for i, element in enumerate(rows.elements):
+        for i, element in enumerate(names(rows.elements)):
             if element.startswith(("line", "node")):
                 over_kw = station_kw - max(0.0, rows.limit_kw[t, i])
                 mine = found.get((t, element))
@@ -189,5 +189,5 @@ def test_the_linear_checker_keeps_sides_apart_as_the_rows_do(
                 elif over_kw < -1e-3:
                     assert mine is None or not mine.by_station
     for breach in found.values():
-        if ":export" in breach.element:
+        if breach.element.is_export:
             assert not breach.by_station

@@ -83,7 +83,7 @@ def test_the_rating_agrees_with_the_headroom_of_its_row_and_with_the_checker(tra
     for taken in trace.steps:
         rating, rows = rating_numbers(taken), taken.inputs.rows
         if rating is None:
-            assert not any(name.startswith(("line:", "node:")) for name in rows.elements)
+            assert not any(element.is_rating for element in rows.elements)
             continue
         limit_kw = rows.limit_kw[taken.interval, rows.elements.index(rating.element)]
         room_kw = rating.limit_kw - rating.active_kw

@@ -6,6 +6,7 @@ from hypothesis import given
 
 from evdash.checker.feeder import FeederCheck
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.files.bundled import PRESETS
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day, step
@@ -36,7 +37,7 @@ def test_flows_are_those_of_the_walk_from_the_leaves(scenario) -> None:
 
 
 def breach(element: str, interval: int, depth: float, base: float = 0.0) -> Breach:
-    return Breach(interval, element, depth, base, "pu", 1e-6)
+    return Breach(interval, Element.read(element), depth, base, "pu", 1e-6)
 
 
 def test_violations_are_told_apart_by_their_cause() -> None:
@@ -48,7 +49,7 @@ def test_violations_are_told_apart_by_their_cause() -> None:
             breach("voltage_max:b", 1, 0.02, base=0.02),
         ]
     )
-    assert [(v.element, v.cause, v.intervals) for v in found] == [
+    assert [(str(v.element), v.cause, v.intervals) for v in found] == [
         ("voltage_min:a", "station", (3, 4)),
         ("voltage_min:a", "both", (5,)),
         ("voltage_max:b", "feeder", (1,)),
@@ -67,7 +68,7 @@ def test_a_feeder_outside_its_limits_by_itself_is_not_the_stations_doing() -> No
     )
     trace = run_day(start_day(scenario), p1_policy())
     found = violations(day_breaches(trace, outlook(trace).station_kw))
-    assert {v.element for v in found} == {"voltage_min:b", "line:s-b"}
+    assert {str(v.element) for v in found} == {"voltage_min:b", "line:s-b"}
     assert {v.cause for v in found} == {"feeder"}
     assert all(v.depth == v.base_depth and len(v.intervals) == 4 for v in found)
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.grid.acflow import AcNetwork, ac_flow
 from evdash.horizon.day import run_day, start_day, step
 from evdash.metrics.ac_day import ac_base, ac_day, longest
@@ -124,7 +125,7 @@ def test_a_day_under_way_is_judged_up_to_now():
 
 def test_longest_is_at_one_element_and_without_a_break():
     def beyond(element, intervals):
-        return [Breach(t, element, 1.0, 0.0, "pu", 0.0) for t in intervals]
+        return [Breach(t, Element("voltage_min", element), 1.0, 0.0, "pu", 0.0) for t in intervals]
 
     assert longest([]) == 0
     assert longest([*beyond("x", [1, 2, 4, 5, 6]), *beyond("y", [3, 7])]) == 3

@@ -3,6 +3,7 @@
 import numpy as np
 
 from evdash.domain.breach import Breach
+from evdash.domain.elements import Element
 from evdash.domain.events import Event
 from evdash.domain.trace import Trace
 from evdash.horizon.day import run_day, start_day
@@ -20,7 +21,7 @@ def at_clock(trace: Trace) -> Wording:
 
 
 def breach(element: str, t: int, depth: float, base: float = 0.0, unit: str = "kVA") -> Breach:
-    return Breach(t, element, depth, base, unit, 1e-6, element.endswith(":export"))
+    return Breach(t, Element.read(element), depth, base, unit, 1e-6)
 
 
 def small() -> Trace:

@@ -57,4 +57,4 @@ def test_without_coordination_everyone_charges_at_once_and_limits_break():
     assert first.admitted == tuple("01234")
     assert first.power_kw[:, 0] == pytest.approx([10.0] * 5)
     breaches = FeederCheck(scenario).breaches(executed_station_kw(trace))
-    assert [b.element for b in breaches if b.by_station] == ["line:s-a"]
+    assert [str(b.element) for b in breaches if b.by_station] == ["line:s-a"]

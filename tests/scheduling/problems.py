@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.tariff import Tariff
 from evdash.scheduling.problem import Problem, Solution
@@ -52,7 +53,7 @@ def random_problem(
         tariff=Tariff(price, hours),
         chargers=chargers,
         rows=LimitRows(
-            elements=("line:a-b", "voltage_min:b") if limited else (),
+            elements=(Element("line", "a", "b"), Element("voltage_min", "b")) if limited else (),
             coefficient=np.ones((2 if limited else 0, 1)),
             limit_kw=np.stack([room, room + 1], axis=1) if limited else np.empty((n_slots, 0)),
         ),

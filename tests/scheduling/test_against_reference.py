@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.random_days import random_scenario
+from evdash.domain.elements import Element
 from evdash.domain.limits import LimitRows
 from evdash.domain.tariff import Tariff
 from evdash.horizon.day import run_day, start_day
@@ -88,7 +89,7 @@ def one_vehicle(**changes) -> Problem:
         "revenue": np.array([4.2]),
         "tariff": Tariff(np.array([0.05, 0.1]), 1.0),
         "chargers": 1,
-        "rows": LimitRows(("line:a-b",), np.ones((1, 1)), np.full((2, 1), 20.0)),
+        "rows": LimitRows((Element("line", "a", "b"),), np.ones((1, 1)), np.full((2, 1), 20.0)),
         "tail_kw": np.zeros((1, 2)),
     }
     return Problem(**(fields | changes))
@@ -106,7 +107,7 @@ def test_the_rest_of_a_charge_runs_at_the_lowest_power():
     "changes",
     [
         {"chargers": 0},
-        {"rows": LimitRows(("line:a-b",), np.ones((1, 1)), np.zeros((2, 1)))},
+        {"rows": LimitRows((Element("line", "a", "b"),), np.ones((1, 1)), np.zeros((2, 1)))},
         {"tariff": Tariff(np.array([0.5, 0.6]), 1.0)},
         {"intervals_left": np.array([0])},
         {"owed_kwh": np.array([13.0]), "low_kw": np.array([8.0])},

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from evdash.domain.elements import Element
 from evdash.domain.limits import LimitRows
 from evdash.domain.tariff import Tariff
 from evdash.scheduling.problem import Problem
@@ -33,7 +34,9 @@ def station(
         revenue=np.zeros(n),
         tariff=Tariff(np.full(slots, 0.1), 1.0),
         chargers=chargers,
-        rows=LimitRows(("line:s-a",), np.ones((1, 1)), np.reshape(headroom_kw, (-1, 1))),
+        rows=LimitRows(
+            (Element("line", "s", "a"),), np.ones((1, 1)), np.reshape(headroom_kw, (-1, 1))
+        ),
         tail_kw=tail,
     )
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from evdash.domain.elements import Element
 from evdash.domain.refusal import RefusalKind
 from evdash.domain.trace import Step, Trace
 from evdash.explain.binding import REACHED_KW
@@ -42,7 +43,7 @@ def too_low_by_itself(trace: Trace) -> list[Step]:
     return [step for step in trace.steps if lowest_pu[step.interval] < limit_pu]
 
 
-def binding(step: Step) -> str:
+def binding(step: Step) -> Element | None:
     """The element that sets the headroom of the interval of a step."""
     return step.inputs.rows.binding()[step.interval]
 

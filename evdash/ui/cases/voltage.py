@@ -11,7 +11,7 @@ def _station_of_many(walk: Walk) -> Figures:
     steps = f.between(walk.after(1), "00:00")
     full = [step for step in steps if f.is_nearly_full(step)]
     least = min(full or steps, key=f.headroom_kw)
-    kinds = {f.binding(step).partition(":")[0] for step in full}
+    kinds = {found.kind for step in full if (found := f.binding(step))}
     return {
         "chargers": walk.after(1).scenario.station.chargers,
         "in_use": max(f.in_use(step) for step in steps),
@@ -28,8 +28,9 @@ def _station_of_many(walk: Walk) -> Figures:
 def _behind(walk: Walk) -> Figures:
     trace = walk.after(1)
     step = min(trace.steps, key=f.headroom_kw)
-    kind, _, node = f.binding(step).partition(":")
-    behind = kind == "voltage_min" and f.is_behind(trace, node)
+    found = f.binding(step)
+    node = "" if found is None else found.node
+    behind = found is not None and found.kind == "voltage_min" and f.is_behind(trace, node)
     return {"node": node, "station": trace.scenario.station.node, "behind": behind}
 
 

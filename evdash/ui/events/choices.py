@@ -111,17 +111,12 @@ def contracts(trace: Trace) -> dict[str, Contract]:
 
 def elements(scenario: Scenario) -> dict[str, tuple[str, float]]:
     """Every rated line and node: its name in words and its rating, kVA."""
-    lines = {
-        f"line:{line.name}": (
-            f"line or transformer {line.from_node}–{line.to_node}, now {line.rating_kva:g} kVA",
-            line.rating_kva,
-        )
-        for line in scenario.lines
-        if line.rating_kva is not None
-    }
-    nodes = {
-        f"node:{node.node}": (f"node {node.node}, now {node.rating_kva:g} kVA", node.rating_kva)
-        for node in scenario.nodes
-        if node.rating_kva is not None and node.node != scenario.feeder.source_node
-    }
-    return lines | nodes
+    found = {}
+    for subject, element in scenario.rated_elements.items():
+        rating_kva = scenario.rating_kva_of(element)
+        if rating_kva is not None:
+            of_line = element.kind == "line"
+            ends = f"line or transformer {element.node}–{element.to_node}"
+            called = ends if of_line else f"node {element.node}"
+            found[subject] = f"{called}, now {rating_kva:g} kVA", rating_kva
+    return found

@@ -11,7 +11,6 @@ from evdash.metrics.verdict_words import sentences
 from evdash.ui.apart import apart
 from evdash.ui.feeder.findings import AC_PATIENCE_SECONDS, WAYS, ac_points, ac_voltages, layout_in
 from evdash.ui.feeder.words import (
-    element_names,
     gap_line,
     headline,
     violation_rows,
@@ -71,15 +70,14 @@ MAP_HELP = (
 def headroom(session: Session) -> None:
     """Room for charging and the element that leaves no more."""
     ahead = view(session)
-    names = element_names(ahead)
     st.markdown("#### Room for charging, and what limits it", help=HEADROOM_HELP)
     chart(
         session,
         "headroom",
-        lambda: headroom_figure(ahead, names),
-        headroom_alt(ahead, names),
+        lambda: headroom_figure(ahead),
+        headroom_alt(ahead),
     )
-    table_below("headroom", lambda: headroom_table(ahead, names))
+    table_below("headroom", lambda: headroom_table(ahead))
     trace = session.run.trace
     if trace.steps:
         told_below("binding", "What binds, and when", trace, told_binding)

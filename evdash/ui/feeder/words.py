@@ -8,6 +8,7 @@ import numpy as np
 
 from evdash.charts.feeder_moment import Moment, loading_told
 from evdash.charts.voltage_map import AcVoltages
+from evdash.domain.elements import Element
 from evdash.domain.outlook import Outlook
 from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network
@@ -127,7 +128,7 @@ def _lowest_in_ac(moment: Moment) -> str:
     )
 
 
-def tightest_rows(found: Iterable[tuple[str, float]]) -> list[dict[str, object]]:
+def tightest_rows(found: Iterable[tuple[Element, float]]) -> list[dict[str, object]]:
     """The tightest limits of an interval as rows of a table."""
     return [{"Tightest limits": element_name(name), "Room, kW": round(kw)} for name, kw in found]
 
@@ -147,11 +148,6 @@ def gap_line(gaps: tuple[Gap, ...], outlook: Outlook) -> str:
     )
 
 
-def element_names(outlook: Outlook) -> dict[str, str]:
-    """A few words for every element that binds in some interval."""
-    return {element: element_name(element) for element in outlook.binding if element}
-
-
 def violation_rows(
     found: Iterable[Violation], network: Network, outlook: Outlook
 ) -> list[dict[str, object]]:
@@ -159,7 +155,7 @@ def violation_rows(
     hours = (outlook.times[1] - outlook.start).total_seconds() / 3600
     return [
         {
-            "Limit": element_name(one.limit, is_export=one.is_export),
+            "Limit": element_name(one.element),
             "Model": MODELS[network],
             "Cause": CAUSES[one.cause],
             "Beyond by": depth_words(one.depth, one.unit),

@@ -190,7 +190,7 @@ def _wishes(session: Session) -> Wishes:
     trace, ahead = session.run.trace, view(session)
     words = spans(ahead)
     busiest = int(ahead.station_kw.argmax())
-    names = transformers(trace.scenario)
+    names = list(transformers(trace.scenario))
     with st.expander("What the files assume", key="handon_assume", type="compact"):
         left, right = st.columns(2)
         transformer = left.selectbox(
