@@ -64,13 +64,14 @@ def stop(folder: StudyFolder, stopped: bool = True) -> None:
 def main(folder: StudyFolder, queue: Path, workers: int) -> None:
     """Run a study whose turn it is; what becomes of it stands in its folder."""
     make_way()
-    threading.Thread(target=_watch, args=(folder,), daemon=True).start()
+    wished = threading.Event()
+    threading.Thread(target=_watch, args=(folder, wished), daemon=True).start()
     first = last = read_stand(folder) or Stand("starting", time.time())
     try:
         with folder.lock(patience_seconds=5.0):
             try:
                 with FileLock(queue):  # free at once, unless a process was slow to come up
-                    last = _run(folder, first, workers)
+                    last = run(folder, first, workers, wished)
             except KeyboardInterrupt:
                 last = _ended(folder, "stopped", first)
             except EvdashError as error:
@@ -90,18 +91,26 @@ def make_way() -> None:
         os.nice(max(0, NICENESS - os.nice(0)))  # begun by another study it has made way already
 
 
-def _watch(folder: StudyFolder) -> None:
+def _watch(folder: StudyFolder, wished: threading.Event) -> None:
     while not (folder.path / STOP).exists():
         time.sleep(LOOK_SECONDS)
     _thread.interrupt_main()
+    wished.set()  # after it, so that who heeds the wish is not interrupted once more
 
 
-def _run(folder: StudyFolder, first: Stand, workers: int) -> Stand:
+def run(folder: StudyFolder, first: Stand, workers: int, wished: threading.Event) -> Stand:
+    """Do the runs of a study; how it then stands.
+
+    Raises KeyboardInterrupt after the run under way once it is `wished` that the study stop: an
+    interrupt can be lost, as Python drops one that comes while a callback of a library runs.
+    """
     runs = folder.read()
     said = 0.0
 
     def told(now: Progress) -> None:
         nonlocal said
+        if wished.is_set():
+            raise KeyboardInterrupt
         if time.monotonic() - said >= SAY_SECONDS:
             said = time.monotonic()
             write_stand(folder, _stand("running", first, now))

@@ -1,15 +1,8 @@
 """A real server, a real Chromium, and pages that must not complain."""
 
-import os
 import shutil
-import socket
-import subprocess
-import sys
-import time
-import urllib.error
-import urllib.request
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from urllib.parse import urlsplit
@@ -17,7 +10,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from evdash.store.place import VARIABLE
+from benchmarks.crowd import server as server_of
 from tests.browser.live import LivePage
 
 ROOT = Path(__file__).parents[2]
@@ -32,7 +25,6 @@ FLAGS = [
     "--disable-sync",
     "--disable-dev-shm-usage",
 ]
-SERVER_SECONDS = 120
 PATIENCE_MS = 120_000
 """For whatever a page has to show, on a machine with much else to do: no test fails on time."""
 expect.set_options(timeout=PATIENCE_MS)
@@ -49,42 +41,9 @@ def serving(
     store: str | None = None, app: Path = ROOT / "app.py", options: Sequence[str] = ()
 ) -> Iterator[str]:
     """A fresh server's address; it is gone afterwards, and so are its runs but in `store`."""
-    if store is None:
-        with TemporaryDirectory() as own, serving(own, app, options) as address:
-            yield address
-        return
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.headless=true"]
-    own_place = [f"--server.port={port}", "--server.address=127.0.0.1"]
-    server = subprocess.Popen(
-        [*command, *own_place, *options],
-        cwd=ROOT,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        env=os.environ | {VARIABLE: store},
-    )
-    address = f"http://127.0.0.1:{port}"
-    try:
-        _wait_until_healthy(server, address)
-        yield address
-    finally:
-        server.terminate()
-        server.wait(10)
-
-
-def _wait_until_healthy(server: subprocess.Popen[bytes], address: str) -> None:
-    until = time.monotonic() + SERVER_SECONDS
-    while time.monotonic() < until:
-        assert server.poll() is None, "the server ended before it was healthy"
-        try:
-            with urllib.request.urlopen(f"{address}/_stcore/health", timeout=1) as answer:  # noqa: S310 - own server
-                if answer.status == 200:
-                    return
-        except (urllib.error.URLError, TimeoutError):
-            time.sleep(0.1)
-    raise AssertionError("the server did not become healthy in time")
+    with ExitStack() as stack:
+        place = Path(store or stack.enter_context(TemporaryDirectory()))
+        yield stack.enter_context(server_of.serving(place, *options, app=app)).address
 
 
 @pytest.fixture(scope="session")

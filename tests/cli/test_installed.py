@@ -7,7 +7,6 @@ import subprocess
 import sys
 import sysconfig
 import time
-import urllib.request
 import venv
 import zipfile
 from collections.abc import Iterator
@@ -16,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.crowd.server import ask
 from evdash import __version__
 from evdash.store.place import VARIABLE
 from evdash.studies.code import code_version
@@ -109,8 +109,7 @@ def answer(address: str) -> str:
     until = time.monotonic() + PATIENCE_SECONDS
     while True:
         try:
-            with urllib.request.urlopen(address, timeout=10) as answered:  # noqa: S310 - our own
-                return str(answered.read().decode())
+            return ask(address, 10).decode()
         except OSError:
             if time.monotonic() > until:
                 raise

@@ -4,6 +4,7 @@ import os
 import signal
 import sqlite3
 import subprocess
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from evdash.domain.quotas import MOST_STUDIES_EACH, WAITING_STUDIES, QuotaReached
-from evdash.studies.background import NICENESS, launch
+from evdash.studies.background import NICENESS, launch, run
 from evdash.studies.folder import StudyFolder
 from evdash.studies.reading import read_study
 from evdash.studies.shelf import Shelf
@@ -181,3 +182,14 @@ def test_folders_of_others_are_not_taken_for_studies(tmp_path: Path) -> None:
     (tmp_path / "one" / "notes").mkdir(parents=True)
     assert Shelf(tmp_path, "one").folders() == []
     assert Shelf(tmp_path, "two").live() is None
+
+
+def test_a_wish_to_stop_is_heeded_where_its_interrupt_was_lost(tmp_path: Path) -> None:
+    """Python drops an interrupt that comes in a callback; a study then went on to its end."""
+    folder = StudyFolder(tmp_path / "kept" / "1")
+    folder.begin(read_study(write_study(tmp_path, STUDY.format(count=50))))
+    wished = threading.Event()
+    wished.set()
+    with pytest.raises(KeyboardInterrupt):
+        run(folder, Stand("starting", time.time()), 1, wished)
+    assert len(landed(folder)) <= 1
