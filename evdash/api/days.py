@@ -125,8 +125,8 @@ class Day:
         --------
         >>> import evdash
         >>> figures = evdash.load("summer-weekday").run().figures
-        >>> round(figures.value["profit"], 2), figures.unit["profit"]
-        (165.0, '$')
+        >>> f"{figures.value['profit']:.2f} {figures.unit['profit']}"
+        '255.77 $'
         """
         of_day = service(self.trace, AcDay(self.verdict.flow, self.verdict.ac))
         rows = {
