@@ -110,26 +110,26 @@ def _anticipated(
     """
     dearer = snapshot.tariff.dearer_by(price)
     chosen = tuple(r for r, yes in zip(asking, expected.admitted, strict=True) if yes > 0.5)
-    first_kw = dict(
-        zip(
-            (*(contract.vehicle for contract in snapshot.contracts), *(r.vehicle for r in asking)),
-            expected.first_kw.tolist(),
-            strict=True,
-        )
+    first_kw = dict(zip(_present(snapshot, asking), expected.first_kw.tolist(), strict=True))
+    plan = _nearest_plan(snapshot, chosen, first_kw, dearer)
+    return plan or _nearest_plan(snapshot, _served(snapshot, chosen, dearer), first_kw, dearer)
+
+
+def _nearest_plan(
+    snapshot: Snapshot, served: tuple[Request, ...], first_kw: Mapping[str, float], tariff: Tariff
+) -> Plan | None:
+    """The plan for the contracts and all of these whose first slot is nearest to the one wished."""
+    problem = problem_of(replace(snapshot, requests=served))
+    wished = np.array([first_kw[vehicle] for vehicle in problem.vehicles])
+    power_kw = nearest_schedule(problem, wished, tariff, Effort(WORK))
+    if power_kw is None:
+        return None
+    return Plan(
+        now=snapshot.now,
+        vehicles=problem.vehicles,
+        power_kw=cleaned(problem, np.ones(problem.n_vehicles, dtype=bool), power_kw),
+        admitted=problem.vehicles[problem.n_contracts :],
     )
-    for attempt in (chosen, None):
-        served = _served(snapshot, chosen, dearer) if attempt is None else attempt
-        problem = problem_of(replace(snapshot, requests=served))
-        wished = np.array([first_kw[vehicle] for vehicle in problem.vehicles])
-        power_kw = nearest_schedule(problem, wished, dearer, Effort(WORK))
-        if power_kw is not None:
-            return Plan(
-                now=snapshot.now,
-                vehicles=problem.vehicles,
-                power_kw=cleaned(problem, np.ones(problem.n_vehicles, dtype=bool), power_kw),
-                admitted=problem.vehicles[problem.n_contracts :],
-            )
-    return None
 
 
 def _served(snapshot: Snapshot, chosen: tuple[Request, ...], tariff: Tariff) -> tuple[Request, ...]:
@@ -156,9 +156,13 @@ def _is_better(
 def _decision(snapshot: Snapshot, asking: tuple[Request, ...], plan: Plan) -> tuple[Floats, Floats]:
     """Who of those asking is admitted, (requests,), and what all present draw now, kW."""
     first_kw = dict(zip(plan.vehicles, plan.power_kw[:, 0].tolist(), strict=True))
-    present = (*(c.vehicle for c in snapshot.contracts), *(r.vehicle for r in asking))
     admitted = np.array([float(r.vehicle in plan.admitted) for r in asking])
-    return admitted, np.array([first_kw.get(vehicle, 0.0) for vehicle in present])
+    return admitted, np.array([first_kw.get(one, 0.0) for one in _present(snapshot, asking)])
+
+
+def _present(snapshot: Snapshot, asking: tuple[Request, ...]) -> tuple[str, ...]:
+    """Everyone the futures were asked about: the contracts, then those asking."""
+    return (*(c.vehicle for c in snapshot.contracts), *(r.vehicle for r in asking))
 
 
 def capacity_price(scenario: Scenario, snapshot: Snapshot, expected: Expectation) -> Floats:
