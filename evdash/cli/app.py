@@ -6,6 +6,8 @@ import sys
 
 from evdash.resources import APP
 
+MOST_PORT = 65_535
+
 
 def add_app(commands: "argparse._SubParsersAction[argparse.ArgumentParser]", statuses: str) -> None:
     """The command and its options."""
@@ -16,7 +18,7 @@ def add_app(commands: "argparse._SubParsersAction[argparse.ArgumentParser]", sta
         "interrupted. docs/deploy.md opens it to others.",
         epilog=statuses,
     )
-    command.add_argument("--port", type=int, metavar="N", help="where it listens (default: 8501)")
+    command.add_argument("--port", type=_port, metavar="N", help="where it listens (default: 8501)")
     command.add_argument(
         "--headless", action="store_true", help="do not open a browser, as on a server"
     )
@@ -27,6 +29,13 @@ def add_app(commands: "argparse._SubParsersAction[argparse.ArgumentParser]", sta
         help="after `--`: further options of `streamlit run`, such as --server.baseUrlPath=evdash",
     )
     command.set_defaults(command=serve)
+
+
+def _port(text: str) -> int:
+    port = int(text)
+    if not 1 <= port <= MOST_PORT:
+        raise argparse.ArgumentTypeError(f"should be from 1 to {MOST_PORT}")
+    return port
 
 
 def serve(options: argparse.Namespace) -> int:

@@ -87,6 +87,12 @@ def test_an_installed_command_runs_a_day_from_another_folder(scripts, elsewhere)
     assert code == code_version()  # a study goes on with either
 
 
+def test_a_port_there_is_none_of_is_told(command) -> None:
+    status, _, told = command("app", "--port", 65_536)
+    assert status == 2
+    assert "should be from 1 to 65535" in told
+
+
 @pytest.fixture
 def served(scripts: Path, elsewhere: Path) -> Iterator[tuple[str, Path]]:
     """The address of the installed app, and the file its server prints to."""
