@@ -16,7 +16,7 @@ from evdash.files.overrides import Setting
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day
 from evdash.metrics.breaches import charger_breaches, linear_breaches
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.policies.bid_price import forecast_of, informed
 from evdash.policies.oracle import Oracle
 from evdash.policies.registry import RULES

@@ -19,7 +19,7 @@ from evdash.metrics.records import (
     refused_by_reason,
     vehicle_records,
 )
-from evdash.metrics.totals import Totals, totals
+from evdash.metrics.service import Totals, totals
 from evdash.metrics.verdict_words import State, Wording, sentences
 
 HOURLY_ROWS = 48

@@ -20,7 +20,7 @@ from evdash.files.run_export import RunLabel, judge, run_files
 from evdash.files.run_folder import is_run, write_run
 from evdash.files.scenario_folder import read_scenario
 from evdash.metrics.breaches import linear_breaches
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.policies.registry import Rule, given
 from evdash.studies.crew import cores, in_order
 

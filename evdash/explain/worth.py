@@ -14,7 +14,7 @@ from evdash.explain.words import counted
 from evdash.horizon.day import begin, run_day
 from evdash.horizon.networks import NETWORKS
 from evdash.horizon.requests import requests_by_interval
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_plans
 
 MORE_KVA = 10.0

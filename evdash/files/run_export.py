@@ -31,7 +31,7 @@ from evdash.grid.lindistflow import voltage_pu
 from evdash.grid.radial import radial_feeder
 from evdash.metrics.breaches import charger_breaches, in_force_only
 from evdash.metrics.records import executed_station_kw
-from evdash.metrics.totals import Totals, totals
+from evdash.metrics.service import Totals, totals
 from evdash.metrics.verdict import FULL_AC, LINEARISED, ModelVerdict, verdict_of
 
 PACKAGES = ("highspy", "pulp", "numpy", "scipy", "pandapower", "pydantic")

@@ -9,7 +9,7 @@ from evdash.domain.outlook import Outlook
 from evdash.domain.trace import Trace
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.ledger import broken_promises, ledger
-from evdash.metrics.totals import Totals, totals
+from evdash.metrics.service import Totals, totals
 from evdash.metrics.verdict import ac_verdict
 
 

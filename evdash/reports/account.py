@@ -19,7 +19,7 @@ from evdash.grid.radial import radial_feeder
 from evdash.metrics.ageing import Ageing, Thermal, ageing
 from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.outlook import outlook
-from evdash.metrics.totals import Totals, totals
+from evdash.metrics.service import Totals, totals
 
 
 @dataclass(frozen=True, slots=True)

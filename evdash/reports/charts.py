@@ -20,7 +20,7 @@ from evdash.charts.voltages import voltages_alt, voltages_figure, voltages_table
 from evdash.domain.breach import Breach
 from evdash.metrics.ac import AcPoint
 from evdash.metrics.feeder import flows, gaps
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.reports.account import Account
 from evdash.reports.tables import Row
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import GeneratedArrivals, Scenario
 from evdash.horizon.day import run_day, start_day
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from evdash.domain.trace import Trace
 from evdash.explain.binding import REACHED_KW, reached_in
 from evdash.metrics.ledger import LedgerEntry, broken_promises, ledger
 from evdash.metrics.records import refused_by_reason, vehicle_records
-from evdash.metrics.totals import Totals
+from evdash.metrics.service import Totals
 from evdash.ui.words import clock, counted, element_words, money, plain
 
 

@@ -14,7 +14,7 @@ from evdash.domain.scenario import GeneratedArrivals
 from evdash.domain.words import money
 from evdash.explain.words import Clock
 from evdash.horizon.day import run_day
-from evdash.metrics.totals import Totals, totals
+from evdash.metrics.service import Totals, totals
 from evdash.ui import run as runs
 from evdash.ui.run import Run
 from evdash.ui.solving import policy

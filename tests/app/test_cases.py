@@ -14,7 +14,7 @@ from evdash.domain.trace import Trace
 from evdash.files.bundled import bundled_scenarios
 from evdash.files.numbers import number_text
 from evdash.grid.acflow import ac_flow
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui.cases.case import Case, Claim, Walk, seen
 from evdash.ui.cases.doing import Doing, Finish, StepUntil
 from evdash.ui.cases.lecture import CASES

@@ -8,7 +8,7 @@ from streamlit.testing.v1 import AppTest
 from evdash.errors import StoreUnavailable
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui import run as runs
 from evdash.ui.compare.pins import KEY as PINS
 from evdash.ui.compare.pins import MOST_PINS, PRESENT, Pins, is_alike, suggested_name

@@ -25,7 +25,7 @@ from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.key_figures import key_figures
 from evdash.metrics.outlook import outlook
 from evdash.metrics.records import vehicle_records
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.reports.account import account
 from evdash.reports.words import promises_line
 from evdash.scheduling.p1 import p1_policy

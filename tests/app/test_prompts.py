@@ -13,7 +13,7 @@ from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.guests import guest_name, joined
 from evdash.metrics.records import vehicle_records
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui.run import Run, edited, open_run, stepped, visited
 from evdash.ui.session import Session, bundled, bundled_names
 from evdash.ui.solving import policy

@@ -11,7 +11,7 @@ from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day
 from evdash.metrics.outlook import outlook
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui.run import (
     Run,
     edited,

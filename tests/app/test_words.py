@@ -15,7 +15,7 @@ from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.revise import revise
 from evdash.metrics.outlook import outlook
 from evdash.metrics.records import interval_records
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 from evdash.ui.story import story
 from evdash.ui.words import decision_lines, element_words, money, plain, quality

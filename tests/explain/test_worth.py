@@ -13,7 +13,7 @@ from evdash.files.scenario_folder import read_scenario
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.revise import revise
 from evdash.metrics.records import interval_records
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 from tests.explain.cases import ran
 

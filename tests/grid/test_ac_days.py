@@ -18,7 +18,7 @@ from evdash.grid.acbreaches import ac_breaches
 from evdash.grid.acflow import AcNetwork, AcResult
 from evdash.horizon.day import run_day, start_day
 from evdash.metrics.records import executed_station_kw
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import names
 

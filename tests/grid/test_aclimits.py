@@ -22,7 +22,7 @@ from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.happen import happen
 from evdash.horizon.revise import revise
 from evdash.metrics.records import executed_station_kw
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import line, make_scenario, names, node, scenarios, vehicle
 

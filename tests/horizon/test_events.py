@@ -17,7 +17,7 @@ from evdash.horizon.revise import revise
 from evdash.metrics.breaches import linear_breaches
 from evdash.metrics.ledger import LedgerEntry, ledger
 from evdash.metrics.records import vehicle_records
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import line, make_scenario, node, vehicle
 from tests.horizon.days import with_headroom

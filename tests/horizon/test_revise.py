@@ -19,7 +19,7 @@ from evdash.horizon.networks import limit_check
 from evdash.horizon.requests import first_interval
 from evdash.horizon.revise import revise
 from evdash.metrics.records import executed_station_kw
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import PRESETS, generator, make_scenario, vehicle
 from tests.horizon.days import with_headroom

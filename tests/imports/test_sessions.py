@@ -19,7 +19,7 @@ from evdash.imports.session_rows import SessionRules
 from evdash.imports.sessions import with_sessions
 from evdash.imports.tables import read_foreign
 from evdash.imports.workbook import written
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.policies.registry import RULES
 
 CSV = (

@@ -29,7 +29,7 @@ from evdash.imports.templates import (
     template_workbook,
     write_templates,
 )
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 
 

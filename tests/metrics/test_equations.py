@@ -21,13 +21,13 @@ from evdash.metrics.equations import (
 )
 from evdash.metrics.key_figures import common_steps, key_figures, until
 from evdash.metrics.outlook import outlook
+from evdash.metrics.service import totals
 from evdash.metrics.statements import (
     admitted_within,
     intermittent,
     price_paid,
     station_share_at_peak,
 )
-from evdash.metrics.totals import totals
 from evdash.scheduling.p1 import p1_policy
 
 EVENING = 21

@@ -8,7 +8,7 @@ from evdash.domain.trace import Trace
 from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.happen import happen
 from evdash.metrics.records import executed_power, vehicle_records
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.metrics.vehicles import (
     charging_kw,
     plan_history,

@@ -17,7 +17,7 @@ from evdash.horizon.advance import snapshot_of
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
 from evdash.metrics.records import executed_station_kw
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.policies import expectation
 from evdash.policies.bid_price import bid_price, informed
 from evdash.policies.futures import AHEAD_HOURS, MOST, sample_futures

@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.policies.oracle import foresee, oracle
 from evdash.policies.registry import RULES
 from tests.builders import make_scenario, scenarios, vehicle

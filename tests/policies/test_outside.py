@@ -11,7 +11,7 @@ from evdash.errors import InputError
 from evdash.horizon.advance import contracts_under, snapshot_of
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.networks import limit_check
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.policies import outside, registry
 from evdash.policies.outside import Outside, certified_for
 from evdash.policies.registry import RULES, all_given, described, given, installed, known

@@ -12,7 +12,7 @@ from evdash.files.race_folder import is_race, policies_table, read_race, write_r
 from evdash.files.tables import write_table
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.policies.race import CONTESTANTS, race
 from evdash.policies.race_words import race_sentences, race_table
 from evdash.policies.registry import RULES

@@ -17,7 +17,7 @@ from evdash.horizon.day import begin, run_day
 from evdash.horizon.inputs import prepare
 from evdash.metrics.outlook import outlook
 from evdash.metrics.records import refused_by_reason, vehicle_records
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.policies.race import race
 from evdash.policies.registry import RULES
 from evdash.reports.account import account, verdict_on

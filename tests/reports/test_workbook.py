@@ -18,7 +18,7 @@ from evdash.imports.scenario_book import (
     with_book,
 )
 from evdash.metrics.records import vehicle_records
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.reports.sheets import sheets
 from evdash.reports.workbook import workbook_bytes
 from evdash.scheduling.p1 import p1_policy

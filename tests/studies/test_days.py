@@ -8,7 +8,7 @@ from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario, resolved
 from evdash.horizon.arrivals import arrivals_of
 from evdash.horizon.day import run_day, start_day
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 from evdash.studies.days import days_taken, with_seed
 from evdash.studies.days_file import days_text, measured, read_days

@@ -12,7 +12,7 @@ import pytest
 
 from evdash.cli.main import main
 from evdash.horizon.day import run_day, start_day
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.scheduling.p1 import p1_policy
 from evdash.studies import work as works
 from evdash.studies.crew import DIED, Crew

@@ -1,6 +1,6 @@
 """A promise of speed: what it costs, and what it must pay."""
 
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui.cases import figures as f
 from evdash.ui.cases.case import Case, Claim, Figures, Press, Walk
 from evdash.ui.cases.doing import Ask, Finish, Reset, Set

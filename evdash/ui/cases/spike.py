@@ -1,7 +1,7 @@
 """A price spike: whom the price lets in."""
 
 from evdash.domain.trace import Step
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui.cases import figures as f
 from evdash.ui.cases.case import Case, Claim, Figures, Press, Walk
 from evdash.ui.cases.doing import Curve, Finish, Reset

@@ -1,6 +1,6 @@
 """A limit elsewhere: a voltage at another node, and what losses take."""
 
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui.cases import figures as f
 from evdash.ui.cases.case import Case, Claim, Figures, Press, Walk
 from evdash.ui.cases.doing import Finish, Limits, Reset

@@ -3,7 +3,7 @@
 import streamlit as st
 
 from evdash.metrics.ledger import broken_promises, ledger
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui.parts import table, view
 from evdash.ui.session import Session
 from evdash.ui.story import story

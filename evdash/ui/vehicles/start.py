@@ -4,7 +4,7 @@ import streamlit as st
 
 from evdash.errors import legible
 from evdash.metrics.ledger import broken_promises, ledger
-from evdash.metrics.totals import totals
+from evdash.metrics.service import totals
 from evdash.ui.parts import view
 from evdash.ui.session import Session
 from evdash.ui.story import broken_told
