@@ -1,36 +1,43 @@
 """A scenario on its way into a day, a race or a study."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
 from evdash.api.days import Day
+from evdash.api.deciders import Own, check_network, rule_of, rules_of
 from evdash.api.races import Race
 from evdash.api.studies import Study, run_here
 from evdash.domain import scenario as domain
-from evdash.domain.plan import Snapshot
+from evdash.domain.events import Event
 from evdash.domain.study import Study as StudyForm
 from evdash.domain.trace import Network
 from evdash.errors import Fault, InputError
 from evdash.files.bundled import located
+from evdash.files.draft import zipped
+from evdash.files.exchange import put_files
 from evdash.files.frames import frame
 from evdash.files.run_export import RunLabel
-from evdash.files.scenario_folder import read_scenario
+from evdash.files.scenario_folder import (
+    FILE_NAMES,
+    SETTINGS,
+    parse_scenario,
+    read_scenario,
+    resolved,
+    scenario_files,
+)
 from evdash.horizon.arrivals import arrivals_of
 from evdash.horizon.day import run_day, start_day
 from evdash.horizon.inputs import prepare
-from evdash.horizon.networks import NETWORKS
 from evdash.policies.race import CONTESTANTS, race
-from evdash.policies.registry import Rule, all_given, given, own
+from evdash.policies.registry import all_given
 from evdash.studies.keys import with_settings
 from evdash.studies.reading import lay_out, study_of
 
 METRICS = StudyForm.model_fields["metrics"].default
-Own = Callable[[Snapshot], object]
-"""A policy of somebody's own: it answers a mapping from vehicle to power in kW, or a Plan."""
 
 
 def load(
@@ -114,6 +121,11 @@ class Scenario:
         """Who comes: the vehicles on file, or those the seed draws, as `arrivals.csv`."""
         return frame(domain.Arrival, arrivals_of(self.data))
 
+    @property
+    def events(self) -> pd.DataFrame:
+        """What happens on the way, `events.csv`."""
+        return frame(Event, self.data.events)
+
     def replace(self, settings: Mapping[str, object]) -> "Scenario":
         """Exchange settings.
 
@@ -145,6 +157,62 @@ class Scenario:
         evdash.errors.InputError: station.chargers: found -1; should be at least 0 (How many ...
         """
         return Scenario(with_settings(self.data, settings))
+
+    def replace_table(self, name: str, table: pd.DataFrame) -> "Scenario":
+        """Exchange a table, such as prices of your own, arrivals, or events on the way.
+
+        Parameters
+        ----------
+        name : {"nodes", "lines", "profile", "arrivals", "fleet", "events"}
+            Which; where arrivals were drawn, those given stand in their place from now on.
+        table : pandas.DataFrame
+            With the columns of that file (docs/scenario.md); what is missing in a cell is blank.
+
+        Returns
+        -------
+        Scenario
+            Another scenario; this one stays as it is.
+
+        Raises
+        ------
+        InputError
+            With every fault, by row and column, as of a file.
+
+        Examples
+        --------
+        >>> import evdash
+        >>> scenario = evdash.load("summer-weekday")
+        >>> dearer = scenario.profile.assign(price_per_kwh=lambda rows: 2 * rows.price_per_kwh)
+        >>> float(scenario.replace_table("profile", dearer).profile.price_per_kwh.max())
+        0.131084
+        """
+        known, file = self.data, f"{name}.csv"
+        if file not in FILE_NAMES:
+            tables = ", ".join(one.removesuffix(".csv") for one in FILE_NAMES if one != SETTINGS)
+            raise InputError([Fault("name", repr(name), f"should be one of {tables}")])
+        if name == "arrivals":
+            known = resolved(known, arrivals_of(known))
+        text = table.to_csv(index=False, date_format=domain.LOCAL_TIME_FORMAT)
+        files = scenario_files(known) | {file: text}
+        return Scenario(parse_scenario({name: text.encode() for name, text in files.items()}))
+
+    def save(self, file: str | Path) -> None:
+        """Write the scenario as a ``.zip`` that `load`, the command line and the app read.
+
+        Parameters
+        ----------
+        file : str or Path
+            Its place; what is there is replaced.
+
+        Raises
+        ------
+        InputError
+            For a name that does not end in ``.zip``, or a place that cannot be written.
+        """
+        path = Path(file)
+        if path.suffix != ".zip":
+            raise InputError([Fault("file", repr(path.name), "should end in .zip")])
+        put_files({path: zipped(scenario_files(self.data))})
 
     def run(
         self,
@@ -183,8 +251,8 @@ class Scenario:
         >>> day.is_sound
         True
         """
-        scenario, rule = self._seeded(seed), _rule(policy)
-        _check_network(network)
+        scenario, rule = self._seeded(seed), rule_of(policy)
+        check_network(network)
         began = time.perf_counter()
         trace = start_day(scenario, network)
         trace = run_day(trace, rule.make(trace.inputs), decide=rule.decide)
@@ -226,8 +294,8 @@ class Scenario:
         p1       77.26       0
         fcfs   -410.87       0
         """
-        rules = _rules(policies)
-        _check_network(network)
+        rules = rules_of(policies)
+        check_network(network)
         inputs = prepare(self._seeded(seed), network)
         return Race(race(inputs, rules, find=rules.__getitem__))
 
@@ -292,26 +360,3 @@ class Scenario:
 
     def _seeded(self, seed: int | None) -> domain.Scenario:
         return self.data if seed is None else with_settings(self.data, {"arrivals.seed": seed})
-
-
-def _rule(policy: str | Own) -> Rule:
-    """A policy by its name, or one of somebody's own, whose plans are certified like ours."""
-    return given(policy, "policy") if isinstance(policy, str) else own(policy)
-
-
-def _rules(policies: Sequence[str | Own]) -> dict[str, Rule]:
-    """Policies that are to race, each under a name of its own."""
-    rules: dict[str, Rule] = {}
-    for policy in policies:
-        rule = _rule(policy)
-        if rule.name in rules and not isinstance(policy, str):
-            allowed = "should have names that tell them apart"
-            raise InputError([Fault("policies", f"two functions called {rule.name}", allowed)])
-        rules[rule.name] = rule
-    return rules
-
-
-def _check_network(network: str) -> None:
-    if network not in NETWORKS:
-        rule = f"should be one of {', '.join(NETWORKS)}"
-        raise InputError([Fault("network", repr(network), rule)])

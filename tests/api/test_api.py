@@ -86,6 +86,30 @@ def same(one: str, other: str) -> bool:
     )
 
 
+def test_a_table_given_anew_is_read_like_a_file(tmp_path) -> None:
+    scenario = evdash.load("summer-weekday")
+    for name in ("nodes", "lines", "profile"):
+        assert scenario.replace_table(name, getattr(scenario, name)).data == scenario.data
+    few = scenario.replace_table("arrivals", scenario.arrivals.head(3))
+    assert few.run().vehicles.vehicle.tolist() == scenario.arrivals.vehicle.head(3).tolist()
+    failing = pd.DataFrame([{"interval": 3, "event": "chargers_fail", "value": 12}])
+    failed = few.replace_table("events", failing)
+    assert failed.events.event.tolist() == ["chargers_fail"]
+    failed.save(tmp_path / "failed.zip")
+    assert evdash.load(tmp_path / "failed.zip") == failed
+    with pytest.raises(evdash.InputError, match=r"profile\.csv, row 3, column price_per_kwh"):
+        scenario.replace_table(
+            "profile",
+            scenario.profile.replace({"interval": {1: 2}}).assign(
+                price_per_kwh=lambda rows: rows.price_per_kwh.where(rows.index != 1, 1e6)
+            ),
+        )
+    with pytest.raises(evdash.InputError, match="should be one of nodes"):
+        scenario.replace_table("weather", scenario.profile)
+    with pytest.raises(evdash.InputError, match=r"\.zip"):
+        failed.save(tmp_path / "failed")
+
+
 def test_columns_have_units_and_times_are_times(day: evdash.Day) -> None:
     assert day.intervals.attrs["units"]["price_per_kwh"] == "$/kWh"
     assert day.intervals.start.dtype == "datetime64[s]"
