@@ -136,6 +136,8 @@ def test_what_can_be_said_of_every_schedule():
     assert tariff.most_saved_per_kwh == pytest.approx(0.5)
     dearest, cheapest = 6.0 * 0.4, 6.0 * -0.1
     assert dearest - cheapest < tariff.most_apart(6.0) == pytest.approx(4.8)
+    paid_for_drawing = Tariff(np.array([-0.3, 0.1]), 0.5)
+    assert paid_for_drawing.most_apart(6.0) == pytest.approx(3.6)
 
 
 def test_parts_of_a_tariff_are_tariffs():
@@ -158,7 +160,8 @@ def test_a_driver_pays_for_energy_at_the_price_of_the_option():
 def test_amounts_have_two_digits_and_one_sign():
     told = [money(usd) for usd in (1234.5, -0.35, -0.004, 0.0)]
     assert told == ["$1,234.50", "−$0.35", "$0.00", "$0.00"]
-    assert [some_money(usd) for usd in (0.0, 0.004, 1.2)] == ["$0.00", "less than a cent", "$1.20"]
+    told = [some_money(usd) for usd in (0.0, 0.004, 0.006, -1.2)]
+    assert told == ["$0.00", "less than a cent", "$0.01", "−$1.20"]
 
 
 def test_amounts_are_put_in_words_in_one_place():
