@@ -254,7 +254,7 @@ class Scenario:
         scenario, rule = self._seeded(seed), rule_of(policy)
         check_network(network)
         began = time.perf_counter()
-        trace = start_day(scenario, network)
+        trace = start_day(scenario, network, rule.name)
         trace = run_day(trace, rule.make(trace.inputs), decide=rule.decide)
         seconds = time.perf_counter() - began
         return Day(trace, RunLabel(rule.name, network, scenario.arrivals.seed, seconds))

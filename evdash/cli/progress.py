@@ -16,5 +16,5 @@ def run_with_progress(scenario: Scenario, network: Network, rule: Rule) -> Trace
             clock = f"{scenario.time_of(trace.now):%H:%M}"
             progress.update(task, completed=trace.now, description=f"deciding {clock}")
 
-        trace = start_day(scenario, network)
+        trace = start_day(scenario, network, rule.name)
         return run_day(trace, rule.make(trace.inputs), told, rule.decide)

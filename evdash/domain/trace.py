@@ -13,6 +13,8 @@ from evdash.domain.plan import Plan
 from evdash.domain.scenario import Arrival, Scenario
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Contract, Request
 
+PAPERS = "p1"
+"""The paper's policy, which decides unless another is named."""
 Network = Literal["lindistflow", "ac"]
 """The model of the feeder whose limits are kept."""
 
@@ -153,12 +155,16 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """All steps so far, the state reached, the inputs in force from here on, what happened."""
+    """All steps so far, the state reached, the inputs in force from here on, what happened.
+
+    `policy` names who decides all of it.
+    """
 
     inputs: Inputs
     state: State
     steps: tuple[Step, ...] = ()
     happenings: tuple[Happening, ...] = ()
+    policy: str = PAPERS
 
     @property
     def scenario(self) -> Scenario:

@@ -28,6 +28,7 @@ OTHERS: tuple[RefusalKind, ...] = (
     "kept for others",
     "best day",
     "left out",
+    "policy",
     "fallback",
     "as told",
 )

@@ -132,6 +132,8 @@ _TELLING: Mapping[RefusalKind, Callable[[Trials, Cause], str]] = {
     "outbid": _displaced,
     "kept for others": _figures,
     "rule": _figures,
+    "policy": _figures,
+    "fallback": _figures,
 }
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from evdash.domain.plan import Policy
 from evdash.domain.refusal import RefusalReason
-from evdash.domain.trace import Inputs, State, Step, Trace
+from evdash.domain.trace import PAPERS, Inputs, State, Step, Trace
 from evdash.domain.vehicles import Request
 from evdash.errors import SolverFailure
 from evdash.explain.causes import OTHERS, Cause, at_the_door, cause_of, reason_by_p1
@@ -21,7 +21,10 @@ from evdash.explain.terms import other_terms
 from evdash.explain.trials import Plans, Trials
 from evdash.horizon.advance import snapshot_of
 from evdash.scheduling.p1 import p1_answers
+from evdash.scheduling.refused import LEFT_OUT
 
+P1S = (PAPERS, "p1-plain")
+"""The policies that decide by P1."""
 TOGETHER = 9
 """So many of those a step refused share what is solved: more would solve less, by fewer at a time.
 Always the same, so that no answer depends on how many processes there are."""
@@ -49,25 +52,29 @@ class Explanation:
         return f"{self.detail} {self.remedy}".strip()
 
 
-def explain_refusal(step: Step, vehicle: str, policy: Policy | None = None) -> Explanation:
+def explain_refusal(
+    step: Step, vehicle: str, policy: Policy | None = None, decided_by: str = PAPERS
+) -> Explanation:
     """Why a step refused a vehicle; `policy` solves P1 anew, by default as the run does.
 
+    Of a day that another policy decided, by its name, what solving again adds is told as P1's.
     Raises ValueError if the step did not refuse it.
     """
     given = _given(step)
     if vehicle not in given:
         raise ValueError(f"{vehicle} was not refused in interval {step.interval}")
     trials = trials_of(step.inputs, step.before, vehicle, policy, _known(step))
-    return _explained(trials, given[vehicle])
+    return _explained(trials, given[vehicle], decided_by)
 
 
 def explain_vehicle(trace: Trace, vehicle: str, policy: Policy | None = None) -> Explanation:
     """Why a vehicle was refused, whenever that was; raises ValueError if it was not."""
     for step in trace.steps:
         if vehicle in {refusal.vehicle for refusal in step.plan.refused}:
-            return explain_refusal(step, vehicle, policy)
+            return explain_refusal(step, vehicle, policy, trace.policy)
     if vehicle in {request.vehicle for request in too_late(trace)}:
-        return _explained(trials_of(trace.inputs, trace.state, vehicle, policy))
+        trials = trials_of(trace.inputs, trace.state, vehicle, policy)
+        return _explained(trials, None, trace.policy)
     raise ValueError(f"{vehicle} was not refused")
 
 
@@ -80,13 +87,14 @@ class Asked:
     vehicles: tuple[str, ...]
     known: Plans = field(default_factory=dict)
     given: Mapping[str, RefusalReason] = field(default_factory=dict)
+    decided_by: str = PAPERS
 
     def explanations(self, policy: Policy | None = None) -> Iterator[Explanation]:
         """One after the other, each worked out when asked for."""
         plans = dict(self.known)
         for vehicle in self.vehicles:
             trials = trials_of(self.inputs, self.state, vehicle, policy, plans)
-            yield _explained(trials, self.given.get(vehicle))
+            yield _explained(trials, self.given.get(vehicle), self.decided_by)
 
 
 def explained(asked: Asked) -> tuple[Explanation, ...]:
@@ -99,9 +107,10 @@ def refused(trace: Trace) -> Iterator[Asked]:
     for step in trace.steps:
         vehicles = [refusal.vehicle for refusal in step.plan.refused]
         for group in _groups(vehicles):
-            yield Asked(step.inputs, step.before, group, _known(step), _given(step))
+            known, given = _known(step), _given(step)
+            yield Asked(step.inputs, step.before, group, known, given, trace.policy)
     for group in _groups([request.vehicle for request in too_late(trace)]):
-        yield Asked(trace.inputs, trace.state, group)
+        yield Asked(trace.inputs, trace.state, group, decided_by=trace.policy)
 
 
 def _groups(vehicles: Sequence[str]) -> Iterator[tuple[str, ...]]:
@@ -146,33 +155,48 @@ def trials_of(
     return Trials(inputs, snapshot, request, policy or p1_answers(), {} if plans is None else plans)
 
 
-def _explained(trials: Trials, given: RefusalReason | None = None) -> Explanation:
+def _explained(trials: Trials, given: RefusalReason | None, decided_by: str) -> Explanation:
     """The explanation of the reason `given` at the step, or else at the door."""
-    door = at_the_door(trials)
+    door, by_p1 = at_the_door(trials), decided_by in P1S
     reason = given if given is not None and given.kind != "as told" else door or given
     try:
         if door is not None:
-            return _worded(trials, Cause(door), _remedies_at_the_door(trials, door))
-        if reason is None or reason.kind in OTHERS:
-            return _by_others(trials, reason or RefusalReason("left out"))
+            told = _worded(trials, Cause(door), _remedies_at_the_door(trials, door))
+            return told if by_p1 else replace(told, remedy=_by_p1(told.remedy))
+        if reason is None or reason.kind in OTHERS or not by_p1:
+            return _by_others(trials, reason or LEFT_OUT)
         if trials.admits(NOTHING):
             return _worded(trials, Cause(reason), ())
         cause, remedies = cause_of(trials, reason), remedies_of(trials)
         return _worded(trials, _with_hours(trials, cause, remedies), remedies)
     except SolverFailure:
-        return _worded(trials, Cause(reason or RefusalReason("left out")), ())
+        if reason is not None and not by_p1:
+            return _plainly(trials, reason)
+        return _worded(trials, Cause(reason or LEFT_OUT), ())
 
 
 def _by_others(trials: Trials, reason: RefusalReason) -> Explanation:
     """A refusal that is not P1's own: what refused it, and what P1 would have answered."""
-    told = _worded(trials, Cause(reason), ())
+    told = _plainly(trials, reason)
     if trials.admits(NOTHING):
         return replace(told, detail=f"{told.detail} {p1_told(trials, None)}")
     cause, remedies = cause_of(trials, reason_by_p1(trials)), remedies_of(trials)
     by_p1 = _worded(trials, _with_hours(trials, cause, remedies), remedies)
-    remedy = f"By P1: {by_p1.remedy}" if by_p1.remedy else ""
     detail = f"{told.detail} {p1_told(trials, by_p1.cause)}"
-    return replace(by_p1, cause=Cause(reason), detail=detail, remedy=remedy)
+    return replace(by_p1, cause=Cause(reason), detail=detail, remedy=_by_p1(by_p1.remedy))
+
+
+def _plainly(trials: Trials, reason: RefusalReason) -> Explanation:
+    """A reason as it was given, with nothing that solving P1 again adds."""
+    detail = f"Refused because {reason}."
+    return Explanation(
+        trials.vehicle, trials.snapshot.now, Cause(reason), (), (), detail, remedy=""
+    )
+
+
+def _by_p1(remedy: str) -> str:
+    """What would have admitted it, where that is known of P1 alone."""
+    return f"By P1: {remedy}" if remedy else ""
 
 
 def _remedies_at_the_door(trials: Trials, door: RefusalReason) -> tuple[Remedy | NoRemedy, ...]:

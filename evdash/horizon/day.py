@@ -7,7 +7,7 @@ from evdash.checker.plans import plan_problems
 from evdash.domain.plan import Plan, Policy, Snapshot, SolveReport, tail_plan
 from evdash.domain.refusal import RefusalReason
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Inputs, LimitCheck, Network, Step, Trace
+from evdash.domain.trace import PAPERS, Inputs, LimitCheck, Network, Step, Trace
 from evdash.errors import PowerFlowDiverged, SolverFailure
 from evdash.horizon.advance import advance, contracts_under, initial_state, snapshot_of
 from evdash.horizon.happen import reached
@@ -19,14 +19,15 @@ Decide = Callable[[Policy, Snapshot, LimitCheck], Plan]
 to be kept."""
 
 
-def start_day(scenario: Scenario, network: Network = "lindistflow") -> Trace:
-    """A day about to begin."""
-    return begin(prepare(scenario, network))
+def start_day(scenario: Scenario, network: Network = "lindistflow", policy: str = PAPERS) -> Trace:
+    """A day about to begin, to be decided by the policy named."""
+    return begin(prepare(scenario, network), policy)
 
 
-def begin(inputs: Inputs) -> Trace:
+def begin(inputs: Inputs, policy: str = PAPERS) -> Trace:
     """A day about to begin, from inputs already prepared."""
-    return reached(Trace(inputs=inputs, state=initial_state(inputs.scenario.intervals)))
+    state = initial_state(inputs.scenario.intervals)
+    return reached(Trace(inputs=inputs, state=state, policy=policy))
 
 
 def run_day(

@@ -39,7 +39,9 @@ def undone(trace: Trace) -> Trace:
     """Before the last step, under the inputs it was decided with; what came later is undone."""
     last = trace.steps[-1]
     known = tuple(h for h in trace.happenings if h.interval <= last.interval)
-    return Trace(last.inputs, last.before, trace.steps[:-1], known)
+    return replace(
+        trace, inputs=last.inputs, state=last.before, steps=trace.steps[:-1], happenings=known
+    )
 
 
 def _settled(trace: Trace, given: Scenario, events: tuple[Event, ...]) -> Trace:

@@ -27,24 +27,29 @@ def revise(trace: Trace, scenario: Scenario, network: Network | None = None) -> 
     place; where there is none, ImpossibleCommitments tells who would miss how much. The
     clock of a day under way cannot change: InputError.
     """
-    network = network or trace.inputs.network
-    if not trace.steps:
-        return start_day(scenario, network)
-    _refuse_other_clock(trace.scenario, scenario)
-    inputs = prepare_from(scenario, network, trace.inputs, trace.now)
-    if trace.is_over:
-        return replace(trace, inputs=inputs)
-    check = limit_check(inputs)
+    revised = put_in_force(trace, scenario, network)
+    if not trace.steps or trace.is_over:
+        return revised
+    check = limit_check(revised.inputs)
     contracts = trace.state.contracts
-    snapshot = replace(snapshot_of(inputs, trace.state), requests=())
+    snapshot = replace(snapshot_of(revised.inputs, trace.state), requests=())
     tail = tail_plan(snapshot, RefusalReason("fallback"), SolveReport("feasible"))
     if not plan_problems(check, contracts, tail):
-        return replace(trace, inputs=inputs)
+        return revised
     tail = replace(tail, power_kw=plan_for_contracts(snapshot))
     problems = plan_problems(check, contracts, tail)
     if problems:
         raise SolverFailure("; ".join(problems))
-    return replace(trace, inputs=inputs, state=replace(trace.state, tail_kw=tail.power_kw))
+    return replace(revised, state=replace(trace.state, tail_kw=tail.power_kw))
+
+
+def put_in_force(trace: Trace, scenario: Scenario, network: Network | None = None) -> Trace:
+    """As `revise`, whatever the last plan then breaks: for a policy that keeps no limit."""
+    network = network or trace.inputs.network
+    if not trace.steps:
+        return start_day(scenario, network, trace.policy)
+    _refuse_other_clock(trace.scenario, scenario)
+    return replace(trace, inputs=prepare_from(scenario, network, trace.inputs, trace.now))
 
 
 def _refuse_other_clock(old: Scenario, new: Scenario) -> None:

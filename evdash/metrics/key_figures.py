@@ -1,7 +1,7 @@
 """A run in the figures by which runs are compared."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -64,7 +64,8 @@ def until(trace: Trace, n_steps: int) -> Trace:
     if n_steps >= len(trace.steps):
         return trace
     following = trace.steps[n_steps]
-    return Trace(
+    return replace(
+        trace,
         inputs=following.inputs,
         state=following.before,
         steps=trace.steps[:n_steps],

@@ -1,7 +1,7 @@
 """A race: several policies on the same scenario, arrivals and events, and what each came to."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -156,7 +156,7 @@ def race(
             continue
         if isinstance(policy, Oracle) and not inputs.given.events:
             most = policy.foresight.most_profit
-        trace = run_day(start, policy, track.stepped, rule.decide)
+        trace = run_day(replace(start, policy=name), policy, track.stepped, rule.decide)
         laps.append(_lap(name, trace, track.judged(trace), most))
     scenario = inputs.scenario
     return Race(

@@ -70,7 +70,7 @@ def _day(task: Task) -> Day:
         scenario = with_seed(scenario, task.seed)
     inputs = prepare_like(scenario, prepared.inputs)
     rule = given(task.policy)  # a study was laid out with it: it is known, or was given by hand
-    trace = run_day(begin(inputs), rule.make(inputs), decide=rule.decide)
+    trace = run_day(begin(inputs, rule.name), rule.make(inputs), decide=rule.decide)
     # the loads of the whole day as they turned out decide its power flow
     feeder = ManyDays(trace.scenario) if trace.happenings else prepared.feeder
     return Day(trace, feeder, task.referee)

@@ -7,6 +7,7 @@ import streamlit as st
 from evdash.metrics.feeder import day_breaches
 from evdash.metrics.verdict import FULL_AC, LINEARISED, ModelVerdict, ac_verdict, verdict_of
 from evdash.metrics.verdict_words import sentences
+from evdash.policies.registry import described
 from evdash.ui.apart import one_click
 from evdash.ui.parts import view
 from evdash.ui.referee import referee
@@ -62,7 +63,8 @@ def _by_linearised(session: Session, model: ModelVerdict) -> bool:
 def help_out(session: Session, models: Iterable[ModelVerdict]) -> None:
     """One click to what keeps the limits that charging exceeds, where that was decided wrongly."""
     trace = session.run.trace
-    if not any(_by_linearised(session, model) for model in models):
+    keeps = described(trace.policy).keeps_limits
+    if not keeps or not any(_by_linearised(session, model) for model in models):
         return
     with st.container(horizontal=True, gap="small"):
         if not trace.is_over and trace.inputs.network == LINEARISED:

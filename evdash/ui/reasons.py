@@ -1,14 +1,16 @@
 """Refusals explained on request. No Streamlit in here."""
 
-from evdash.domain.trace import Trace
-from evdash.errors import SolverFailure
+from evdash.domain.trace import PAPERS, Trace
+from evdash.errors import InputError, SolverFailure
 from evdash.explain.binding import binding_told
 from evdash.explain.refusals import explain_vehicle, too_late
 from evdash.explain.revisions import explain_revision
 from evdash.explain.worth import day_worths
-from evdash.ui.solving import answers, policy
+from evdash.policies.registry import described
+from evdash.ui.solving import answers, decider, policy
 from evdash.ui.words import plain
 
+BY_P1_ALONE = "That is told of days decided by P1 alone, and this one was decided by {}."
 NOT_IN_TIME = "That could not be found out in time."
 
 
@@ -38,8 +40,9 @@ def told_revision(trace: Trace) -> list[str]:
 def told_revision_at(trace: Trace, interval: int) -> list[str]:
     """What the step at `interval` changed in the plan of the step before it, and why."""
     try:
-        return [plain(explain_revision(trace, interval, policy).text)]
-    except SolverFailure:
+        asked, _ = decider(trace)
+        return [plain(explain_revision(trace, interval, asked).text)]
+    except (InputError, SolverFailure):
         return [NOT_IN_TIME]
 
 
@@ -50,6 +53,8 @@ def told_binding(trace: Trace) -> list[str]:
 
 def told_worths(trace: Trace) -> list[str]:
     """What one more charger, a higher rating, a wider voltage band would have been worth."""
+    if trace.policy != PAPERS:
+        return [BY_P1_ALONE.format(plain(described(trace.policy).title))]
     try:
         return [f"- {plain(worth.text)}" for worth in day_worths(trace, policy)]
     except SolverFailure:

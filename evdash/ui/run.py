@@ -8,14 +8,24 @@ from evdash.domain.events import Event
 from evdash.domain.plan import Policy
 from evdash.domain.scenario import Arrival, Scenario
 from evdash.domain.trace import Network, Trace
-from evdash.errors import Fault, ImpossibleCommitments, InputError, Shortfall, SolverFailure
+from evdash.errors import (
+    EvdashError,
+    Fault,
+    ImpossibleCommitments,
+    InputError,
+    Shortfall,
+    SolverFailure,
+)
 from evdash.files.overrides import edit_scenario
-from evdash.horizon.day import start_day, step
+from evdash.horizon.day import Decide, start_day, step
 from evdash.horizon.guests import joined
 from evdash.horizon.happen import happen, undone
 from evdash.horizon.in_force import in_force
-from evdash.horizon.revise import revise
+from evdash.horizon.revise import put_in_force, revise
+from evdash.policies.registry import described
 from evdash.ui.edits import CHARGERS, edit_of, with_settings_kept
+from evdash.ui.solving import decider
+from evdash.ui.words import plain
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +58,39 @@ def open_run(folder: Path | None, scenario: Scenario) -> Run:
     return Run(folder, scenario, start_day(scenario))
 
 
-def stepped(run: Run, policy: Policy) -> Run:
+def stepped(run: Run, policy: Policy, decide: Decide | None = None) -> Run:
     """One interval further; the same run once the day is over."""
     if run.trace.is_over:
         return run
-    return replace(run, trace=step(run.trace, policy), answer=None)
+    return replace(run, trace=step(run.trace, policy, decide=decide), answer=None)
+
+
+def decided(run: Run) -> Run:
+    """One interval further, by whoever decides the day; or the same with what keeps them from it.
+
+    That is so of a run brought back where a policy is not installed any more.
+    """
+    try:
+        policy, decide = decider(run.trace)
+    except (InputError, SolverFailure) as error:
+        return replace(run, answer=_unable(f"Not decided by {_title(run.trace.policy)}", error))
+    return stepped(run, policy, decide)
+
+
+def handed_to(run: Run, policy: str) -> Run:
+    """The day for another policy to decide, from its start and with the settings now in force.
+
+    A day decided in part by one and in part by another would be nobody's to report or explain.
+    """
+    if policy == run.trace.policy:
+        return run
+    trace = run.trace if not run.trace.steps else restarted(run).trace
+    trace = replace(trace, policy=policy)
+    try:
+        decider(trace)
+    except (InputError, SolverFailure) as error:
+        return replace(run, answer=_unable(f"Not handed to {_title(policy)}", error))
+    return replace(run, trace=trace, answer=None)
 
 
 def stepped_back(run: Run) -> Run:
@@ -67,8 +105,10 @@ def restarted(run: Run, network: Network | None = None) -> Run:
 
     Limits are kept in `network`, by default in the model they are kept in now.
     """
-    scenario = with_settings_kept(run.trace, run.opened)
-    return replace(run, trace=start_day(scenario, network or run.trace.inputs.network), answer=None)
+    trace = run.trace
+    scenario = with_settings_kept(trace, run.opened)
+    begun = start_day(scenario, network or trace.inputs.network, trace.policy)
+    return replace(run, trace=begun, answer=None)
 
 
 def restored(run: Run) -> Run:
@@ -160,9 +200,21 @@ def _happened(run: Run, there: Run, title: str, events: tuple[Event, ...]) -> Ru
     return replace(there, trace=trace, answer=None)
 
 
+def _title(policy: str) -> str:
+    return plain(described(policy).title)
+
+
+def _unable(title: str, error: EvdashError) -> Answer:
+    """What to say where a policy cannot decide a day."""
+    if isinstance(error, InputError):
+        return Answer(title, faults=error.faults)
+    return Answer(title, faults=(Fault("policy", f"{error}", "should find a plan"),))
+
+
 def _revised(run: Run, scenario: Scenario, title: str, network: Network | None = None) -> Run:
+    change = revise if described(run.trace.policy).keeps_limits else put_in_force
     try:
-        trace = revise(run.trace, scenario, network)
+        trace = change(run.trace, scenario, network)
     except ImpossibleCommitments as error:
         answer = Answer(f"Not applied: {title}", shortfalls=error.shortfalls)
     except SolverFailure as error:

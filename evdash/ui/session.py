@@ -22,7 +22,6 @@ from evdash.ui import run as runs
 from evdash.ui.downloads import Rest
 from evdash.ui.keeping import Keeper
 from evdash.ui.run import Run
-from evdash.ui.solving import policy
 from evdash.ui.whatif import Prompted, prompts
 from evdash.ui.words import plain
 
@@ -104,7 +103,9 @@ class Session:
 
     def step(self) -> None:
         """Decide one interval."""
-        self._change(lambda run: runs.stepped(run, policy))
+        self._change(runs.decided)
+        if self.run.answer is not None:  # nobody can decide it
+            self.mode = "idle"
         self._stepped_at = time.monotonic()
 
     def seconds_since_step(self) -> float:
@@ -158,6 +159,11 @@ class Session:
     def visit(self, guest: Arrival) -> None:
         """Have one more vehicle come now."""
         self._change(lambda run: runs.visited(run, guest))
+
+    def hand_to(self, policy: str) -> None:
+        """Have another policy decide the day, from its start."""
+        self.mode = "idle"
+        self._change(lambda run: runs.handed_to(run, policy))
 
     def rewire(self, network: Network) -> None:
         """Keep the limits of another network model from now on."""

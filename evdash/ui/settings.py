@@ -19,7 +19,7 @@ from evdash.domain.scenario import (
 from evdash.domain.trace import Inputs, Network, Trace
 from evdash.errors import Fault
 from evdash.ui.typed import read_within
-from evdash.ui.words import clock, counted, plain
+from evdash.ui.words import clock, counted, decided_by, plain
 
 NETWORK_NAMES: Mapping[Network, str] = {"lindistflow": "Linearised", "ac": "Full AC"}
 
@@ -166,9 +166,11 @@ def setting_labels(scenario: Scenario) -> dict[str, str]:
     return {key: label for key, (label, _) in _values(scenario).items()}
 
 
-def settings_told(inputs: Inputs) -> str:
+def settings_told(trace: Trace) -> str:
     """All settings in force in a line, for paper, which has no sidebar."""
+    inputs, who = trace.inputs, decided_by(trace.policy)
     told = [plain(inputs.scenario.name), f"limits kept in {NETWORK_NAMES[inputs.network]}"]
+    told += [who] * bool(who)
     told += [f"{plain(label)} {value:g}" for label, value in _values(inputs.scenario).values()]
     return " · ".join(told)
 
@@ -189,7 +191,8 @@ def edit_log(trace: Trace, opened: Scenario, outlook: Outlook) -> list[str]:
 
     That is an event foreseen, of which the station does not know yet.
     """
-    told = []
+    who = decided_by(trace.policy)
+    told = [f"**all day:** {who}"] * bool(who)
     before, network = opened, next(iter(NETWORK_NAMES))
     moments: list[tuple[int, Inputs]] = [(step.interval, step.inputs) for step in trace.steps]
     for interval, inputs in [*moments, (trace.now, trace.inputs)]:

@@ -1,4 +1,7 @@
-"""One optimiser for everyone on this server: fair turns, and nothing solved twice."""
+"""One optimiser for everyone on this server: fair turns, and nothing solved twice.
+
+Other policies are made for the day they decide, and take the same turns.
+"""
 
 import threading
 from collections import OrderedDict, deque
@@ -7,6 +10,9 @@ from contextlib import contextmanager
 
 from evdash.domain.digest import digest
 from evdash.domain.plan import Plan, Policy, Snapshot
+from evdash.domain.trace import PAPERS, Inputs, Trace
+from evdash.horizon.day import Decide, certified_plan, run_day
+from evdash.policies.registry import known
 from evdash.scheduling.p1 import p1_answers, p1_plans, p1_policy
 
 SLOTS = 2
@@ -75,3 +81,61 @@ answers: Policy = shared(p1_answers(), TURNS)
 """P1's answers alone, for explanations: nobody follows those plans."""
 study_policy: Policy = shared(p1_plans(), TURNS, most_plans=0)
 """The same in the same turns; remembers nothing, as no day of a study comes twice."""
+
+MOST_MADE = 16
+_made: OrderedDict[tuple[str, int], tuple[Inputs, Policy]] = OrderedDict()
+_making = threading.Lock()
+
+
+def decider(trace: Trace) -> tuple[Policy, Decide]:
+    """Who decides a day, ready to be asked, and how the answers come to count.
+
+    Raises InputError where there is no such policy, or it cannot decide such a day, and
+    SolverFailure where it could not be made.
+    """
+    if trace.policy == PAPERS:
+        return policy, certified_plan
+    rule, inputs = known(trace.policy), _made_for(trace)
+    key = (rule.name, id(inputs))
+    with _making:
+        if key not in _made:
+            with TURNS.one():
+                made = rule.make(inputs)
+            _made[key] = (inputs, shared(_alone(made), TURNS))  # held, so that its id stays its own
+            while len(_made) > MOST_MADE:
+                _made.popitem(last=False)
+        _made.move_to_end(key)
+        return _made[key][1], rule.decide
+
+
+def whole_day(trace: Trace) -> Trace:
+    """The day run to its end by whoever decides it."""
+    asked, decide = decider(trace)
+    return run_day(trace, asked, decide=decide)
+
+
+def _made_for(trace: Trace) -> Inputs:
+    """What a policy is told of the day: as it began, or as it was last changed by hand.
+
+    Events it learns of as they happen, like everybody; so a day run on the command line is the
+    same day here.
+    """
+    given = trace.inputs.given.replacing(events=())
+    alike = (
+        step.inputs
+        for step in trace.steps
+        if step.inputs.network == trace.inputs.network
+        and step.inputs.given.replacing(events=()) == given
+    )
+    return next(alike, trace.inputs)
+
+
+def _alone(asked: Policy) -> Policy:
+    """The policy asked by one at a time: some remember what they have foreseen."""
+    lock = threading.Lock()
+
+    def policy(snapshot: Snapshot) -> Plan:
+        with lock:
+            return asked(snapshot)
+
+    return policy

@@ -12,14 +12,17 @@ from evdash.explain.binding import REACHED_KW, reached_in
 from evdash.metrics.ledger import LedgerEntry, broken_promises, ledger
 from evdash.metrics.records import refused_by_reason, vehicle_records
 from evdash.metrics.service import Totals
-from evdash.ui.words import clock, counted, element_words, money, plain
+from evdash.ui.words import clock, counted, decided_by, element_words, money, plain
 
 
 def story(trace: Trace, outlook: Outlook, totals: Totals) -> str:
     """How many were admitted and why not the others, what limited charging or will."""
+    who = decided_by(trace.policy)
     if not trace.steps:
-        return f"**The day is about to begin.** {_limit_ahead(trace, outlook)}"
-    admitted = f"**{totals.admitted:,} of {counted(totals.arrived, 'PEV')} admitted**"
+        by = f" It will be {who}." if who else ""
+        return f"**The day is about to begin.**{by} {_limit_ahead(trace, outlook)}"
+    who = f", {who}" if who else ""
+    admitted = f"**{totals.admitted:,} of {counted(totals.arrived, 'PEV')} admitted**{who}"
     broken = _broken(broken_promises(ledger(trace)), outlook)
     if trace.is_over:
         return (

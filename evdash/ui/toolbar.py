@@ -14,7 +14,7 @@ def toolbar(session: Session) -> None:
     """The clock; step, run, play, back, reset; on paper, which run this is."""
     trace, ahead = session.run.trace, view(session)
     with st.container(key="on_paper"):
-        st.markdown(session.once("on_paper", lambda: settings_told(trace.inputs)))
+        st.markdown(session.once("on_paper", lambda: settings_told(trace)))
     with st.container(key="toolbar", horizontal=True, vertical_alignment="center", gap="xsmall"):
         with st.container(key="clock", width=116):
             st.markdown(f"{ahead.clock:%H:%M}")

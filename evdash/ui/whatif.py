@@ -13,11 +13,10 @@ from evdash.domain.events import Event
 from evdash.domain.scenario import GeneratedArrivals
 from evdash.domain.words import money
 from evdash.explain.words import Clock
-from evdash.horizon.day import run_day
 from evdash.metrics.service import Totals, totals
 from evdash.ui import run as runs
 from evdash.ui.run import Run
-from evdash.ui.solving import policy
+from evdash.ui.solving import whole_day
 from evdash.ui.words import counted, plain
 
 FEWER_CHARGERS = 2
@@ -70,8 +69,8 @@ class Prompted:
             {"By the end of the day": name}
             | {figure: told(day) for figure, told in FIGURES.items()}
             for name, day in (
-                ("Before", totals(run_day(self.before.trace, policy))),
-                ("After", totals(run_day(after.trace, policy))),
+                ("Before", totals(whole_day(self.before.trace))),
+                ("After", totals(whole_day(after.trace))),
             )
         ]
 

@@ -12,9 +12,10 @@ from evdash.domain.elements import Element
 from evdash.domain.outlook import Outlook
 from evdash.domain.plan import SolveReport
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Step, Trace
+from evdash.domain.trace import PAPERS, Step, Trace
 from evdash.domain.words import counted as counted  # noqa: PLC0414 - ours, too
 from evdash.metrics.verdict_words import Sentence, State, Wording
+from evdash.policies.registry import described
 
 _PUNCTUATION = re.compile(f"([{re.escape(string.punctuation)}])")
 _TURNED = re.compile(r":(?=//|[\w+/-]+:)|@|www(?=\.)|[-<>~=](?=[->=])", re.IGNORECASE)
@@ -122,13 +123,18 @@ def _of_headroom(step: Step, outlook: Outlook) -> str:
     return f"; the feeder leaves room for {headroom:,.0f}\u00a0kW, limited by {element}."
 
 
+def decided_by(policy: str) -> str:
+    """Who decides, where that is not the paper's P1; else nothing."""
+    return "" if policy == PAPERS else f"decided by {plain(described(policy).title)}"
+
+
 def quality(report: SolveReport) -> str:
     """How good the plan is known to be, in plain words."""
     if report.status == "fallback":
         why = f" ({plain(report.note)})" if report.note else ""
         return (
-            f":orange[Kept the previous plan] and admitted nobody new: the optimiser had none in "
-            f"time{why}. Every contract stands."
+            f":orange[Kept the previous plan] and admitted nobody new: there was none in time that "
+            f"passes every check{why}. Every contract stands."
         )
     seconds = f"{report.seconds:.2f} s" if report.seconds >= 0.005 else "a few milliseconds"
     if report.objective is None:

@@ -9,7 +9,7 @@ from evdash.store.place import VARIABLE
 from evdash.store.runs import Store
 from evdash.ui import keeping
 from evdash.ui.keeping import COPIED, GONE, LINK
-from evdash.ui.solving import policy
+from evdash.ui.solving import decider
 from tests.app.test_live_page import APP, clicked, edit, now, opened, session
 
 
@@ -34,7 +34,7 @@ def test_a_reload_in_mid_run_goes_on_at_the_same_step(monkeypatch) -> None:
     at = opened(steps=5)
     edit(at, "station.chargers", 7)
     clicked(at, "step", 2)
-    monkeypatch.setattr("evdash.ui.session.policy", None)  # nothing is solved on the way
+    monkeypatch.setattr("evdash.ui.run.decider", None)  # nothing is solved on the way
     again = reopened(linked(at))
     assert now(again) == 7
     assert again.text_input(key="station.chargers").value == "7"
@@ -42,7 +42,7 @@ def test_a_reload_in_mid_run_goes_on_at_the_same_step(monkeypatch) -> None:
     one, other = session(at).run.trace, session(again).run.trace
     assert (one.state.tail_kw == other.state.tail_kw).all()
     assert [s.plan.report for s in one.steps] == [s.plan.report for s in other.steps]
-    monkeypatch.setattr("evdash.ui.session.policy", policy)
+    monkeypatch.setattr("evdash.ui.run.decider", decider)
     clicked(again, "step")
     assert linked(again) == linked(at)
 

@@ -175,7 +175,7 @@ def run_on(session: Session, pins: Pins) -> None:
     """Step whatever is not over, telling how far it is; a click stops between two steps."""
     if not pins.finishing:
         return
-    bar = st.progress(0.0, "Running to the end …")
+    bar, before = st.progress(0.0, "Running to the end …"), -1
     while pins.finishing:
         left = [pin for pin in pins.all if not pin.run.trace.is_over]
         held = held_together(session, pins)
@@ -186,5 +186,8 @@ def run_on(session: Session, pins: Pins) -> None:
         else:
             pins.finishing = False
         decided = sum(run.whole.now for run in held)
+        if decided == before:  # nobody there can decide what is left
+            pins.finishing = False
+        before = decided
         bar.progress(decided / sum(run.scenario.intervals for run in held), "Running to the end …")
     st.rerun()

@@ -8,9 +8,10 @@ import numpy as np
 import streamlit as st
 
 from evdash.domain.scenario import Scenario
-from evdash.domain.trace import Trace
+from evdash.domain.trace import PAPERS, Trace
 from evdash.errors import StoreUnavailable
 from evdash.metrics.key_figures import common_steps, until
+from evdash.policies.registry import described
 from evdash.store.runs import Pin as KeptPin
 from evdash.ui import run as runs
 from evdash.ui.edits import with_settings_kept
@@ -18,7 +19,6 @@ from evdash.ui.keeping import kept_form, run_of, store
 from evdash.ui.run import Run
 from evdash.ui.session import Session
 from evdash.ui.settings import NETWORK_NAMES, changes
-from evdash.ui.solving import policy
 
 KEY = "evdash:pins"
 MOST_PINS = 5
@@ -83,7 +83,7 @@ class Pins:
 
     def step(self, number: int) -> None:
         """Decide one more interval of a pinned run."""
-        self._replace(number, lambda pin: replace(pin, run=runs.stepped(pin.run, policy)))
+        self._replace(number, lambda pin: replace(pin, run=runs.decided(pin.run)))
 
     def keep(self, session: Session) -> None:
         """Have what is kept on disk say what is pinned; a run that goes on first finishes.
@@ -157,6 +157,7 @@ def is_alike(a: Trace, b: Trace) -> bool:
     return (
         a.now == b.now
         and a.inputs.network == b.inputs.network
+        and a.policy == b.policy
         and a.inputs.given == b.inputs.given
         and np.array_equal(a.state.tail_kw, b.state.tail_kw)
         and all(
@@ -173,6 +174,8 @@ def suggested_name(run: Run) -> str:
     what = [told.replace("\\", "") for told in changes(run.opened, now)]
     if run.trace.inputs.network != "lindistflow":
         what.append(NETWORK_NAMES[run.trace.inputs.network])
+    if run.trace.policy != PAPERS:
+        what.append(described(run.trace.policy).title)
     return ", ".join([now.name, *what])[:LONGEST_NAME]
 
 

@@ -37,8 +37,6 @@ AMBIENT = "evdash:handon_ambient"
 POLL_SECONDS = 0.5
 SUPPLIES = (None, *(Current(*of) for of in ((1, 230.0), (3, 230.0), (1, 208.0), (1, 240.0))))
 """What outlets are usually connected to."""
-POLICY = "p1"
-"""Who decides in the app."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,7 +261,7 @@ def _ambient_c() -> float:
 def _account(trace: Trace, verdict: Verdict, wishes: Wishes) -> Account:
     seed = trace.inputs.given.arrivals.seed
     seconds = sum(step.plan.report.seconds for step in trace.steps)
-    label = RunLabel(POLICY, trace.inputs.network, seed, seconds)
+    label = RunLabel(trace.policy, trace.inputs.network, seed, seconds)
     return account(trace, verdict, label, thermal=wishes.thermal, transformer=wishes.transformer)
 
 

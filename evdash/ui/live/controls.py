@@ -16,6 +16,8 @@ from evdash.domain.outlook import Outlook
 from evdash.errors import Fault
 from evdash.files.numbers import number_text
 from evdash.files.wording import beyond
+from evdash.policies.race import SLOW
+from evdash.policies.registry import choices
 from evdash.ui.apart import one_click
 from evdash.ui.curves import CURVES, curve_prices, curve_title
 from evdash.ui.live.prices import price_editor, refused_prices, take_prices
@@ -35,13 +37,18 @@ from evdash.ui.settings import (
 from evdash.ui.typed import refuse
 from evdash.ui.words import plain
 
-CURVE, NETWORK = "price_curve", "network"
+CURVE, NETWORK, DECIDER = "price_curve", "network", "decider"
 OWN = ""
 """Stands among the presets for a scenario of the user's own."""
 NETWORK_HELP = (
     "The model of the feeder whose limits the schedule keeps. Linearised DistFlow, as in the "
     "paper, leaves out losses and so allows too much where the feeder is loaded; full AC power "
     "flow counts them."
+)
+DECIDER_HELP = (
+    "Who says yes or no and plans the charging: the paper's problem P1, another policy, or one "
+    "that an installed package offers. Another one decides the day from its start, with the "
+    "settings as they are now; Undo brings back the hours decided before. Compare races them all."
 )
 
 
@@ -66,6 +73,8 @@ def take_edits(session: Session) -> bool:
         new = {}
     if NETWORK in new:
         session.rewire(new.pop(NETWORK))
+    if DECIDER in new:
+        session.hand_to(new.pop(DECIDER))
     if CURVE in new:
         take_curve(session, new.pop(CURVE))
     taken = _take_numbers(session, new) and taken
@@ -107,6 +116,7 @@ def show_truth(session: Session, state: MutableMapping[Any, Any]) -> None:
     }
     truth[PRESET] = session.run.folder.name if session.run.folder else OWN
     truth[NETWORK] = session.run.trace.inputs.network
+    truth[DECIDER] = session.run.trace.policy
     truth[CURVE] = session.once("curve", lambda: curve_in_force(session))
     for key, value in truth.items():
         if key not in state or state[key] != value:
@@ -164,6 +174,7 @@ def sidebar(session: Session, outlook: Outlook) -> None:
             help=NETWORK_HELP,
             width="stretch",
         )
+        _decider(session)
         box = st.popover(
             "Edit prices by the hour",
             icon=":material/edit:",
@@ -176,6 +187,19 @@ def sidebar(session: Session, outlook: Outlook) -> None:
                 price_editor(session, outlook)
         refused_prices(session, outlook)
         _in_force(session, outlook)
+
+
+def _decider(session: Session) -> None:
+    """Who decides; one who is not there any more stands as it is called."""
+    rules = {name: rule.title for name, rule in choices().items() if name not in SLOW}
+    names = rules | {name: name for name in [session.run.trace.policy] if name not in rules}
+    st.selectbox(
+        "Who decides",
+        list(names),
+        format_func=names.__getitem__,
+        key=DECIDER,
+        help=DECIDER_HELP,
+    )
 
 
 def _pair(session: Session, controls: list[Control], prefix: str = "") -> None:

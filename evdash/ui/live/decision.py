@@ -2,6 +2,8 @@
 
 import streamlit as st
 
+from evdash.domain.trace import PAPERS
+from evdash.policies.registry import described
 from evdash.ui.parts import small_table, view
 from evdash.ui.reasons import (
     refused_latest_first,
@@ -23,13 +25,15 @@ from evdash.ui.words import (
 def decision(session: Session) -> None:
     """What the optimiser just decided."""
     trace, ahead = session.run.trace, view(session)
+    by_p1 = trace.policy == PAPERS
     with st.container(key="decision"):
         if not trace.steps:
             st.markdown("#### What the optimiser decides")
-            st.markdown(INTRODUCTION)
+            st.markdown(INTRODUCTION if by_p1 else _introduction(trace.policy))
             return
         last = trace.steps[-1]
-        st.markdown(f"#### {decision_title(last, ahead)}", help=DECISION_HELP)
+        told = DECISION_HELP if by_p1 else plain(described(trace.policy).told)
+        st.markdown(f"#### {decision_title(last, ahead)}", help=told)
         for line in decision_lines(last, ahead):
             st.markdown(line)
         if last.requests:
@@ -47,13 +51,23 @@ def decision(session: Session) -> None:
             told_below("worth", "What would more have been worth?", trace, told_worths)
 
 
-INTRODUCTION = (
+ASKED = (
     "Every interval new plug-in electric vehicles (PEVs) ask for a charge and choose a price. The "
     "station says **yes** — "
-    "a contract: this much energy by that time — or **no**, at once, knowing nothing of who comes "
-    "later. Then it plans all contracted charging anew, for the highest profit within what the "
-    "feeder and the chargers allow.\n\nPress **Step** to decide the first interval."
+    "a contract: this much energy by that time — or **no**, at once"
 )
+PRESS = "Press **Step** to decide the first interval."
+INTRODUCTION = (
+    f"{ASKED}, knowing nothing of who comes "
+    "later. Then it plans all contracted charging anew, for the highest profit within what the "
+    f"feeder and the chargers allow.\n\n{PRESS}"
+)
+
+
+def _introduction(policy: str) -> str:
+    """What is decided where it is not by P1, and how."""
+    rule = described(policy)
+    return f"{ASKED}. Here **{plain(rule.title)}** decides: {plain(rule.told)}\n\n{PRESS}"
 
 
 DECISION_HELP = (

@@ -5,7 +5,8 @@ from annotated_types import Ge
 from pydantic import ValidationError
 
 from evdash.domain.scenario import Arrival
-from evdash.errors import Fault
+from evdash.domain.trace import PAPERS
+from evdash.errors import Fault, InputError
 from evdash.horizon.guests import guest_name
 from evdash.ui.apart import one_click
 from evdash.ui.cases.case import Case, seen
@@ -59,7 +60,10 @@ def outcome(session: Session) -> None:
             st.markdown(prompted.told(session.run))
             st.button("Close", on_click=session.dismiss, key="dismiss", type="tertiary")
         with st.spinner("Running both days to their end …"):
-            small_table(prompted.effects, height=320)
+            try:
+                small_table(prompted.effects, height=320)
+            except InputError as error:  # whoever decided is not there any more
+                st.error(plain(str(error)))
 
 
 @st.dialog("Add a PEV now")
@@ -151,6 +155,8 @@ def case_panel(session: Session) -> None:
         day = bundled_names()[case.preset]
         if session.run.folder != day:
             st.caption(f":orange[Another day is open; this is asked on {bundled(day).name}.]")
+        elif session.run.trace.policy != PAPERS:
+            st.caption(":orange[Another policy decides; this is asked of the paper's P1.]")
         box = st.expander(
             SEE, type="compact", key=f"case_answer_{CASES.index(case)}", on_change="rerun"
         )
