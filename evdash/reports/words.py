@@ -169,10 +169,9 @@ def edit_lines(account: Account) -> list[str]:
 def decided_words(account: Account) -> list[str]:
     """By which rule and under which model of the feeder it was decided, and how well."""
     rule, steps = described(account.label.policy), account.trace.steps
-    lines = [
-        f"Decided by {rule.title}. {rule.told}",
-        f"Limits are kept in {NETWORK_WORDS[account.label.network]}.",
-    ]
+    lines = [f"Decided by {rule.title}. {rule.told}"]
+    if rule.keeps_limits:
+        lines.append(f"Limits are kept in {NETWORK_WORDS[account.label.network]}.")
     solved = [s.plan.report for s in steps if s.plan.report.objective is not None]
     proven = sum(report.status == "optimal" for report in solved)
     if solved:

@@ -18,6 +18,7 @@ from evdash.domain.scenario import (
 )
 from evdash.domain.trace import Inputs, Network, Trace
 from evdash.errors import Fault
+from evdash.policies.registry import described
 from evdash.ui.typed import read_within
 from evdash.ui.words import clock, counted, decided_by, plain
 
@@ -169,7 +170,9 @@ def setting_labels(scenario: Scenario) -> dict[str, str]:
 def settings_told(trace: Trace) -> str:
     """All settings in force in a line, for paper, which has no sidebar."""
     inputs, who = trace.inputs, decided_by(trace.policy)
-    told = [plain(inputs.scenario.name), f"limits kept in {NETWORK_NAMES[inputs.network]}"]
+    told = [plain(inputs.scenario.name)]
+    if described(trace.policy).keeps_limits:
+        told.append(f"limits kept in {NETWORK_NAMES[inputs.network]}")
     told += [who] * bool(who)
     told += [f"{plain(label)} {value:g}" for label, value in _values(inputs.scenario).values()]
     return " · ".join(told)
@@ -191,8 +194,7 @@ def edit_log(trace: Trace, opened: Scenario, outlook: Outlook) -> list[str]:
 
     That is an event foreseen, of which the station does not know yet.
     """
-    who = decided_by(trace.policy)
-    told = [f"**all day:** {who}"] * bool(who)
+    told = []
     before, network = opened, next(iter(NETWORK_NAMES))
     moments: list[tuple[int, Inputs]] = [(step.interval, step.inputs) for step in trace.steps]
     for interval, inputs in [*moments, (trace.now, trace.inputs)]:

@@ -18,6 +18,7 @@ from evdash.policies.outside import certified_for
 from evdash.policies.race import SLOW
 from evdash.policies.registry import RULES, Rule
 from evdash.reports.account import account, verdict_on
+from evdash.reports.words import decided_words
 from evdash.store.parts import Kept, Putting, Taking
 from evdash.ui import run as runs
 from evdash.ui.cases.lecture import CASES
@@ -77,7 +78,7 @@ def test_the_page_says_who_decides_and_nothing_where_that_is_p1():
     assert "Charges who has to be back first" in told(at)
     clicked(at, "step", 3)
     assert "admitted**, decided by Earliest deadline first" in told(at)
-    assert "**all day:** decided by Earliest deadline first" in told(at)
+    assert "restore" not in {one.key for one in at.button}  # a preset does not say who decides
     assert "decided by Earliest deadline first" in settings_told(session(at).run.trace)
     clicked(at, "finish")
     assert "admitted**, decided by Earliest deadline first" in told(at)
@@ -166,6 +167,23 @@ def test_before_and_after_are_of_whoever_decides():
     alone = whole_day(run.trace)
     assert before["Admitted"] == f"{sum(len(s.plan.admitted) for s in alone.steps)} of 99"
     assert before != after | {"By the end of the day": "Before"}
+
+
+def test_where_no_limit_is_kept_none_is_said_to_be():
+    at = chosen("uncoordinated", steps=20)
+    trace = session(at).run.trace
+    assert "limits kept" not in settings_told(trace)
+    assert "charging exceeds" in told(at)
+    assert not {"rewire_to_ac", "again_in_ac"} & {one.key for one in at.button}
+    before = session(at).run.trace
+    edit(at, "option.C1.price_per_kwh", 0.5)  # breaks nothing that was not broken before
+    assert session(at).run.answer is None
+    assert session(at).run.trace is not before
+    whole = whole_day(trace)
+    label = RunLabel(whole.policy, whole.inputs.network, 1, 0.0)
+    words = decided_words(account(whole, verdict_on(whole), label))
+    assert "keeps no limit" in words[0]
+    assert not any("Limits are kept" in line for line in words)
 
 
 def test_a_refusal_by_a_rule_is_explained_as_what_it_is():

@@ -28,7 +28,7 @@ def decision(session: Session) -> None:
     by_p1 = trace.policy == PAPERS
     with st.container(key="decision"):
         if not trace.steps:
-            st.markdown("#### What the optimiser decides")
+            st.markdown(f"#### What {'the optimiser decides' if by_p1 else 'is decided'}")
             st.markdown(INTRODUCTION if by_p1 else _introduction(trace.policy))
             return
         last = trace.steps[-1]
