@@ -174,7 +174,6 @@ def sidebar(session: Session, outlook: Outlook) -> None:
             help=NETWORK_HELP,
             width="stretch",
         )
-        _decider(session)
         box = st.popover(
             "Edit prices by the hour",
             icon=":material/edit:",
@@ -186,6 +185,7 @@ def sidebar(session: Session, outlook: Outlook) -> None:
             with box:
                 price_editor(session, outlook)
         refused_prices(session, outlook)
+        _decider(session)
         _in_force(session, outlook)
 
 
