@@ -258,6 +258,20 @@ def test_an_installed_policy_drives_the_page_and_its_faults_are_told(refuses_all
     assert not any(step.plan.admitted for step in session(at).run.trace.steps)
 
 
+def test_the_model_page_says_whose_numbers_stand_in_p1():
+    at = chosen("edf", steps=18)
+    at.switch_page("pages/model.py").run()
+    assert "This day is decided by Earliest deadline first and not by P1" in told(at)
+
+
+def test_what_an_event_does_where_no_limit_is_kept_is_said():
+    for name, said in (("uncoordinated", True), ("fcfs", False)):
+        at = chosen(name, steps=2)
+        at.session_state["events"] = True
+        at.run()
+        assert ("keeps no limit" in told(at)) == said
+
+
 def test_other_pages_show_a_day_that_another_policy_decided():
     at = chosen("edf", steps=18)
     for page in sorted(Path(__file__).parents[2].joinpath("pages").glob("*.py")):

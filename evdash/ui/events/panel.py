@@ -10,6 +10,7 @@ from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.horizon.happen import happen
 from evdash.horizon.relief import relief
+from evdash.policies.registry import described
 from evdash.ui.apart import one_click
 from evdash.ui.events.choices import CHOICES, Choice, checked, contracts, elements, event_of
 from evdash.ui.events.words import (
@@ -26,6 +27,10 @@ from evdash.ui.words import clock, plain
 
 PREVIEW = "evdash_event"
 TABLE_PX = 260
+BEYOND_LIMITS = (
+    "Whoever decides keeps no limit. What an event leaves of every promise is worked out within "
+    "the limits all the same, so that promises may go short for these alone."
+)
 NOBODY = {
     "vehicle": "No vehicle is under contract now.",
     "element": "Nothing on this feeder has a rating that could change.",
@@ -48,6 +53,8 @@ def panel(session: Session) -> None:
     )
     if box.open:
         with box:
+            if not described(trace.policy).keeps_limits:
+                st.caption(f":orange[{BEYOND_LIMITS}]")
             _chooser(session, view(session))
             _happened(trace, view(session))
             _preview(session, view(session))

@@ -107,7 +107,7 @@ def _vehicle(step: Step) -> str | None:
         format_func=told,
         key="model_vehicle",
         persist_state="session",
-        help="Everyone P1 decided on in this interval.",
+        help="Everyone who was decided on in this interval.",
     )
     return picked
 

@@ -5,7 +5,7 @@ import streamlit as st
 from evdash.ui.glossary import GLOSSARY, meaning
 from evdash.ui.model import equations, paper, study
 from evdash.ui.session import Session
-from evdash.ui.words import plain
+from evdash.ui.words import decided_by, plain
 
 TABS = (
     "Equations with this run's numbers",
@@ -26,9 +26,12 @@ def tabs(session: Session) -> None:
     """All sections."""
     found = st.tabs(TABS, key="model_tabs", on_change="rerun")
     sections = (in_numbers, paper.assumptions, paper.figures, study.study, glossary)
+    of_the_run = (in_numbers, paper.figures)
     for tab, section in zip(found, sections, strict=True):
         if tab.open:
             with tab:
+                if section in of_the_run and (who := decided_by(session.run.trace.policy)):
+                    st.caption(f"This day is {who} and not by P1: the numbers are of its plans.")
                 section(session)
 
 
