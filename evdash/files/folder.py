@@ -27,8 +27,9 @@ UNZIPPABLE = (
 )
 
 
-def read_files(path: Path) -> dict[str, bytes]:
+def read_files(path: Path | str) -> dict[str, bytes]:
     """File names and contents of a scenario folder or .zip; nothing is written or unpacked."""
+    path = Path(path)
     try:
         if path.is_dir():
             return _read_directory(path)

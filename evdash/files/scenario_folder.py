@@ -44,7 +44,7 @@ CLOCK_TIME = re.compile(r"\s*(\d{1,2}):(\d{2})\s*")
 SOMETIME = datetime(2020, 1, 1)
 
 
-def read_scenario(path: Path, settings: tuple[Setting, ...] = ()) -> Scenario:
+def read_scenario(path: Path | str, settings: tuple[Setting, ...] = ()) -> Scenario:
     """The scenario in a folder or .zip, with `settings` laid over its scenario.toml.
 
     Raises InputError with every fault there is.

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from evdash.domain.scenario import Scenario
 from evdash.errors import InputError
 from evdash.files import folder
+from evdash.files.bundled import PRESETS
 from evdash.files.folder import read_files, read_zip
 from evdash.files.scenario_folder import parse_scenario, read_scenario
 from tests.files.spoiling import files_of, generated_scenario, recorded_scenario
@@ -136,3 +137,10 @@ def test_nothing_there_and_things_that_cannot_be_read(tmp_path):
     ):
         with pytest.raises(InputError, match=told):
             read_files(path)
+
+
+def test_a_folder_may_be_given_as_text() -> None:
+    place = PRESETS / "summer-weekday"
+    assert read_scenario(f"{place}") == read_scenario(place)
+    with pytest.raises(InputError, match="nothing there"):
+        read_scenario("folder")

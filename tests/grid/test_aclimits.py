@@ -16,7 +16,7 @@ from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 from evdash.grid.acbreaches import ac_breaches
 from evdash.grid.acflow import ac_flow
-from evdash.grid.aclimits import AcFeeder, ac_limit_rows
+from evdash.grid.aclimits import MARGIN_KVA, MARGIN_PU, AcFeeder, ac_limit_rows
 from evdash.grid.reduction import limit_rows
 from evdash.horizon.day import run_day, start_day, step
 from evdash.horizon.happen import happen
@@ -218,3 +218,46 @@ def test_headroom_is_computed_once_and_kept_to_the_bit():
     assert scaled.inputs.rows is not after.inputs.rows
     again = ac_limit_rows(scenario)
     assert np.array_equal(again.limit_kw, after.inputs.rows.limit_kw)
+
+
+def test_the_certificate_forgives_ten_times_what_the_search_does_and_no_more():
+    """So that a plan at the headroom found is never refused for what a solver rounds."""
+    scenario = make_scenario(
+        nodes=[node("s"), node("a", load_kw=40)], lines=[line("s", "a", rating=95.0)], price=[0.1]
+    )
+    feeder = AcFeeder(scenario)
+    low, high = 0.0, 200.0
+    while high - low > 1e-9:  # the power at which the line is loaded as rated
+        middle = (low + high) / 2
+        beyond = feeder.excess(np.arange(1), np.array([middle]))[0].max() > 0
+        low, high = (low, middle) if beyond else (middle, high)
+    for over_kw, worse, refused in (
+        (-1e-6, False, False),
+        (0.5 * MARGIN_KVA, False, False),
+        (2 * MARGIN_KVA, True, False),
+        (9 * MARGIN_KVA, True, False),
+        (12 * MARGIN_KVA, True, True),
+    ):
+        station_kw = np.array([low + over_kw])
+        assert feeder.worsened(*feeder.excess(np.arange(1), station_kw)).any() == worse
+        assert bool(feeder.breaches(station_kw)) == refused
+
+
+def test_so_does_it_of_voltages():
+    scenario = make_scenario(
+        nodes=[node("s"), node("a", load_kw=40)],
+        lines=[line("s", "a", r=4.0, x=2.0)],
+        feeder={"voltage_min_pu": 0.97},
+        price=[0.1],
+    )
+    feeder = AcFeeder(scenario)
+    low, high = 0.0, float(ac_limit_rows(scenario).headroom_kw()[0]) + 10
+    while high - low > 1e-9:
+        middle = (low + high) / 2
+        beyond = feeder.excess(np.arange(1), np.array([middle]))[0].max() > 0
+        low, high = (low, middle) if beyond else (middle, high)
+    per_kw = feeder.excess(np.arange(1), np.array([low + 1.0]))[0].max()
+    for times, worse, refused in ((0.5, False, False), (5, True, False), (12, True, True)):
+        station_kw = np.array([low + times * MARGIN_PU / per_kw])
+        assert feeder.worsened(*feeder.excess(np.arange(1), station_kw)).any() == worse
+        assert bool(feeder.breaches(station_kw)) == refused

@@ -9,6 +9,7 @@ from evdash.domain.breach import Breach
 from evdash.domain.elements import Element
 from evdash.files.bundled import PRESETS
 from evdash.files.scenario_folder import read_scenario
+from evdash.grid.radial import radial_feeder
 from evdash.horizon.day import run_day, start_day, step
 from evdash.metrics.feeder import (
     day_breaches,
@@ -16,7 +17,7 @@ from evdash.metrics.feeder import (
     gaps,
     tightest,
 )
-from evdash.metrics.outlook import outlook
+from evdash.metrics.outlook import outlook, station_rating_kw
 from evdash.metrics.verdict import violations
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import line, make_scenario, node, scenarios, vehicle
@@ -126,3 +127,22 @@ def test_the_gap_to_ac_is_at_the_node_where_they_differ_most() -> None:
     assert (first.interval, first.node, first.difference) == (0, "b", pytest.approx(0.004))
     assert first.lowest_linear - first.lowest_ac == pytest.approx(0.004)
     assert (second.interval, second.node, second.difference) == (2, "a", pytest.approx(-0.002))
+
+
+@pytest.mark.parametrize(
+    ("own", "way", "expected"),
+    [
+        (90.0, 40.0, 90.0),
+        (None, 40.0, 40.0),
+        (0.0, 40.0, 40.0),  # a rating of nothing is none to measure a load against
+        (None, 0.0, 1.0),
+        (None, None, 30.0),
+    ],
+)
+def test_the_stations_load_is_measured_against_the_nearest_rating(own, way, expected):
+    scenario = make_scenario(
+        nodes=[node("s"), node("a", rating_kva=own)],
+        lines=[line("s", "a", rating=way)],
+        station={"chargers": 3, "max_kw": 10.0},
+    )
+    assert station_rating_kw(scenario, radial_feeder(scenario)) == expected
