@@ -162,8 +162,8 @@ Two models of the feeder answer alike (`evdash/horizon/networks.py`): linearised
 paper's, and full AC power flow. Whoever decides (`evdash/policies/registry.py`) answers a
 `Snapshot` with a `Plan` (`evdash/domain/plan.py`), and no plan counts before the referee has passed
 it (`evdash/horizon/day.py` `certified_plan`). What changes a day under way goes one way each: an
-edit through `evdash/horizon/revise.py`, an event through `evdash/horizon/happen.py`; both certify the
-tail anew. Each equation of the paper has a function, listed in [equations.md](equations.md).
+edit through `evdash/horizon/revise.py`, an event through `evdash/horizon/happen.py`; both certify
+the tail anew. Each equation of the paper has a function, listed in [equations.md](equations.md).
 
 ## Rooms
 
