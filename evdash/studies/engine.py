@@ -1,5 +1,6 @@
 """A study from its first run to its last: only what is missing is done, and told as it lands."""
 
+import os
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -79,4 +80,5 @@ def _tasks(runs: StudyRuns, there: set[str]) -> Iterator[Task]:
 
 def task_of(run: Run, scenario: str, code: str) -> Task:
     """A run as a worker takes it."""
-    return Task(run.key, scenario, run.seed, run.policy, run.network, run.referee, code)
+    here = os.getcwd()
+    return Task(run.key, scenario, run.seed, run.policy, run.network, run.referee, code, here)

@@ -1,12 +1,14 @@
 """One run of a study, as a worker does it: plain data in, plain data out."""
 
 import signal
+import sys
 import time
 from dataclasses import dataclass
 from functools import lru_cache
 
 from threadpoolctl import ThreadpoolController
 
+from evdash.domain.plan import is_outside
 from evdash.domain.scenario import Scenario
 from evdash.domain.study import Result
 from evdash.domain.trace import Inputs, Network
@@ -26,7 +28,11 @@ class OtherCode(EvdashError):
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A run to be done. `scenario` is JSON; `code` the version of the code that asks."""
+    """A run to be done. `scenario` is JSON; `code` the version of the code that asks.
+
+    `folder` is where it does: a worker begun earlier may be elsewhere, and has to find a policy
+    of one's own.
+    """
 
     key: str
     scenario: str
@@ -35,6 +41,7 @@ class Task:
     network: Network
     referee: bool
     code: str
+    folder: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +54,8 @@ class Prepared:
 
 def work(task: Task) -> Result:
     """Do a run; whatever goes wrong is its result. Raises OtherCode."""
+    if task.folder and is_outside(task.policy) and task.folder not in sys.path:
+        sys.path.insert(0, task.folder)
     if task.code != code_of(task.policy):
         raise OtherCode(
             "a worker runs another version of evdash, of a package beneath or of the policy; start "

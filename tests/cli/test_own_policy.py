@@ -98,10 +98,15 @@ def test_it_races_ours(own, command):
     assert float(rows["evdash_failing:policy"]["profit"]) == 0
 
 
-def test_it_decides_a_study_where_it_is_given_by_hand_alone(own, command):
+def test_it_decides_a_study_where_it_is_given_by_hand_alone(own, command, monkeypatch):
     study = write_study(own, STUDY.format(count=1))
+    monkeypatch.chdir(ROOT)  # workers that live on know no folder but this
+    earlier = ["study", study, "--out", own / "earlier", "--workers", "2"]
+    assert command(*earlier)[0] == 0
+    monkeypatch.chdir(own)
     plan = ["study", study, "--out", "out", "--workers", "2"]
-    assert command(*plan, "--policies", "edf", MINE)[0] == 0
+    status, _, err = command(*plan, "--policies", "edf", MINE)
+    assert status == 0, err
     with (own / "out" / "runs.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert {(row["policy"], row["status"]) for row in rows} == {("edf", "done"), (MINE, "done")}
