@@ -169,7 +169,7 @@ def test_an_interrupted_study_says_so_and_can_be_resumed(store, monkeypatch) -> 
 
 def test_results_of_another_version_are_not_shown(store, monkeypatch) -> None:
     kept_study(store, "upgrade")
-    monkeypatch.setattr("evdash.studies.reading.code_version", lambda: "another")
+    monkeypatch.setattr("evdash.studies.reading.code_of", lambda policy: "another")
     at = opened(owner=OWNER)
     assert "another version" in told(at)
     assert not at.get("plotly_chart")

@@ -130,6 +130,7 @@ def integer_point(
         constraints=LinearConstraint(np.array(rows), lower, upper),
         integrality=np.arange(size) < n + n * t,
         bounds=Bounds(bottom, top),
+        options={"presolve": False},  # scipy 1.14's calls some of these infeasible
     )
     assert result.x is not None, result.message
     return result.x[u].round(), result.x[d].round().reshape(n, t), result.x[p].reshape(n, t)
