@@ -4,7 +4,9 @@ import atexit
 import os
 import shutil
 import tempfile
+from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 from evdash.store.place import VARIABLE
@@ -24,3 +26,29 @@ settings.register_profile(
 # More examples, and new ones each time: `pytest --hypothesis-profile=long`.
 settings.register_profile("long", deadline=None, max_examples=1000)
 settings.load_profile("ci")
+
+HERE = Path(__file__).parent
+QUICK = {
+    "charts",
+    "checker",
+    "data",
+    "domain",
+    "horizon",
+    "metrics",
+    "scheduling",
+    "test_layers.py",
+}
+"""Folders and files whose tests are marked quick, but for the few of them that are not."""
+SLOW = {
+    "test_ac_process.py",
+    "test_against_reference.py",
+    "test_impossible.py",
+    "test_starved.py",
+}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        place = item.path.relative_to(HERE)
+        if place.parts[0] in QUICK and place.name not in SLOW:
+            item.add_marker(pytest.mark.quick)
