@@ -15,6 +15,7 @@ from evdash.studies.engine import run_study
 from evdash.studies.folder import StudyFolder
 from evdash.studies.questions import QUESTIONS
 from evdash.studies.reading import lay_out, parse_study
+from evdash.studies.shelf import Shelf
 from evdash.studies.stand import Stand, read_stand, write_stand
 from evdash.ui.studies.ask import read_values
 from evdash.ui.studies.words import duration
@@ -185,3 +186,17 @@ def test_values_are_read_as_numbers_where_they_are() -> None:
 )
 def test_spans_are_told_as_a_person_says_them(seconds, words) -> None:
     assert duration(seconds) == words
+
+
+def test_the_next_can_start_where_one_ended_while_the_page_was_drawn(store, monkeypatch) -> None:
+    folder = kept_study(store, "upgrade")
+    looks = iter([folder])  # on at the first look, ended at each that follows
+    monkeypatch.setattr(Shelf, "live", lambda shelf: next(looks, None))
+    at = opened(owner=OWNER)
+    assert next(looks, None) is None
+    assert not at.button(key="start_study").disabled
+    assert "One study at a time" not in told(at)
+    monkeypatch.setattr(Shelf, "live", lambda shelf: folder)
+    at.run()
+    assert at.button(key="start_study").disabled
+    assert "One study at a time" in told(at)

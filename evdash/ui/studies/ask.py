@@ -15,11 +15,12 @@ from evdash.files.wording import shown
 from evdash.policies.registry import choices, described
 from evdash.studies.background import spare_cores
 from evdash.studies.estimate import seconds_needed
-from evdash.studies.folder import study_text
+from evdash.studies.folder import StudyFolder, study_text
 from evdash.studies.keys import STUDY_KEYS
 from evdash.studies.questions import QUESTIONS, sure
 from evdash.studies.reading import lay_out, parse_study
 from evdash.studies.shelf import Shelf
+from evdash.ui.apart import apart
 from evdash.ui.scenario.editor import present_scenario
 from evdash.ui.session import Session
 from evdash.ui.settings import NETWORK_NAMES
@@ -43,6 +44,7 @@ OFTEN = (
     "voltage.band_pu",
 )
 CHOSEN = "study_chosen"
+LOOK_SECONDS = 1.0
 LONG_SECONDS = 3600.0
 COMMA_WITHIN = re.compile(r"\d+,\d+")
 FILE_HELP = (
@@ -255,3 +257,12 @@ def _start(shelf: Shelf, runs: StudyRuns | None) -> None:
     show_refusal()
     if live is not None:
         st.caption("One study at a time: the next can start once yours has ended or is cancelled.")
+        apart(_until_ended, LOOK_SECONDS, key="study_ends")(shelf, live)
+
+
+def _until_ended(shelf: Shelf, live: StudyFolder) -> None:
+    """Draw the page anew once a study has ended, whichever is looked at, and even if it ended
+    while the page was being drawn."""
+    now = shelf.live()
+    if now is None or now.path != live.path:
+        st.rerun()

@@ -6,12 +6,11 @@ from evdash.studies.folder import StudyFolder
 from evdash.studies.shelf import Shelf
 from evdash.studies.stand import Stand, read_stand
 from evdash.ui.apart import apart
-from evdash.ui.studies.ask import CHOSEN
+from evdash.ui.studies.ask import CHOSEN, LOOK_SECONDS
 from evdash.ui.studies.refusal import resume, show_refusal
 from evdash.ui.studies.words import duration
 from evdash.ui.words import counted, plain
 
-LOOK_SECONDS = 1.0
 REDRAW_SHARE = 0.1
 """Pictures are drawn anew each time so much more of a study has landed."""
 
