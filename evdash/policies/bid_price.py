@@ -22,6 +22,7 @@ from evdash.policies.expectation import (
     SampledDay,
     best_admissions,
     costs_of,
+    expectation_of,
     sampled_days,
 )
 from evdash.policies.futures import Futures, sample_futures
@@ -94,7 +95,7 @@ def anticipating(scenario: Scenario, futures: Futures) -> Policy:
         ours = _anticipated(snapshot, asking, expected, price)
         if ours is None or not _is_better(days, snapshot, asking, ours, own):
             return _timed(replace(own, capacity_price_per_kwh=price), began)
-        losses = dict(zip((r.vehicle for r in asking), expected.slope.tolist(), strict=True))
+        losses = expected_losses(days, asking, expected, ours.admitted)
         kept = _refusals(scenario, snapshot, losses, price, ours.admitted)
         return _timed(replace(ours, refused=kept, capacity_price_per_kwh=price), began)
 
@@ -174,6 +175,26 @@ def capacity_price(scenario: Scenario, snapshot: Snapshot, expected: Expectation
     return np.round(expected.energy_price + expected.charger_price / full_kwh, PRICE_DIGITS)
 
 
+def expected_losses(
+    days: list[SampledDay],
+    asking: tuple[Request, ...],
+    expected: Expectation,
+    admitted: tuple[str, ...],
+) -> dict[str, float]:
+    """By how much admitting each of those refused as well would cost more in the mean, $.
+
+    Nan where some future has no room for it: then that, and not its worth to others, refuses it.
+    """
+    losses = {}
+    for n, request in enumerate(asking):
+        if request.vehicle in admitted:
+            continue
+        with_it = np.where(np.arange(len(asking)) == n, 1.0, expected.admitted)
+        found = expectation_of(days, with_it)
+        losses[request.vehicle] = np.nan if found is None else found.cost - expected.cost
+    return losses
+
+
 def _refusals(
     scenario: Scenario,
     snapshot: Snapshot,
@@ -185,7 +206,8 @@ def _refusals(
     return tuple(
         Refusal(
             request.vehicle,
-            request.refusal or _reason(scenario, snapshot, request, price, losses[request.vehicle]),
+            request.refusal
+            or _reason(scenario, snapshot, request, price, losses.get(request.vehicle, np.nan)),
         )
         for request in snapshot.requests
         if request.vehicle not in admitted
@@ -197,7 +219,7 @@ def _reason(
 ) -> RefusalReason:
     """What refuses it at an empty station; or that room is kept; or else whatever P1 would say."""
     alone = alone_at_the_station(snapshot, request)
-    if alone is not None or loss <= 0:
+    if alone is not None or not loss > 0:
         return alone or LEFT_OUT
     window = price[: request.deadline_interval - snapshot.now]
     if not window.any():

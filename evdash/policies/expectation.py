@@ -55,10 +55,6 @@ class Expectation:
     def cost(self) -> float:
         return float(self.costs.mean())
 
-    @property
-    def slope(self) -> Floats:
-        return np.asarray(self.slopes.mean(axis=0))
-
 
 class SampledDay:
     """One future as a linear program held open, so that each question starts from the last.

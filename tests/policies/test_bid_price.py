@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
 
 from benchmarks.race_days import FORECASTS
 from evdash.checker.feeder import FeederCheck
@@ -19,10 +20,12 @@ from evdash.horizon.inputs import prepare
 from evdash.metrics.records import executed_station_kw
 from evdash.metrics.service import totals
 from evdash.policies import expectation
-from evdash.policies.bid_price import bid_price, informed
+from evdash.policies.bid_price import bid_price, expected_losses, informed
+from evdash.policies.expectation import best_admissions, expectation_of, sampled_days
 from evdash.policies.futures import AHEAD_HOURS, MOST, sample_futures
 from evdash.scheduling.p1 import p1_policy
 from tests.builders import make_scenario, vehicle
+from tests.policies.test_expectation import crowds
 
 
 @pytest.fixture(scope="module")
@@ -179,3 +182,38 @@ def test_futures_follow_the_statistics(bundled):
     drawn = np.mean([sum(len(group) for group in day) for day in futures.days]) / MOST
     asked = sum(1 for group in prepare(bundled).requests for r in group if not r.refusal)
     assert 0.7 * asked < drawn < 1.3 * asked
+
+
+def test_hardly_anybody_is_refused_without_a_reason_of_its_own(bundled):
+    """A slope told next to nothing of what one more vehicle costs: it said so of every third."""
+    scarce = edit_scenario(bundled, {"station.chargers": 6})
+    day = run_day(start_day(scarce), bid_price(scarce, samples=4))
+    reasons = [refusal.reason for step in day.steps for refusal in step.plan.refused]
+    kept = [reason for reason in reasons if reason.kind == "kept for others"]
+    assert len(kept) > 10
+    assert all(reason.loss > 0 for reason in kept)
+    assert sum(reason.kind == "left out" for reason in reasons) <= len(kept) / 5
+
+
+@settings(max_examples=10, suppress_health_check=[HealthCheck.too_slow])
+@given(crowds())
+def test_the_loss_told_is_that_of_the_futures_with_it_and_without(crowd):
+    snapshot, futures = crowd
+    asking = tuple(request for request in snapshot.requests if not request.refusal)
+    days = sampled_days(snapshot, futures, len(asking))
+    best = best_admissions(days, len(asking))
+    admitted = tuple(r.vehicle for r, yes in zip(asking, best.admitted, strict=True) if yes)
+    losses = expected_losses(days, asking, best, admitted)
+    assert losses.keys() == {r.vehicle for r in asking} - set(admitted)
+    for n, request in enumerate(asking):
+        if request.vehicle in losses:
+            u = best.admitted.copy()
+            u[n] = 1.0
+            fresh = sampled_days(snapshot, futures, len(asking))
+            before, found = best_admissions(fresh, len(asking)), expectation_of(fresh, u)
+            loss = losses[request.vehicle]
+            if found is None:
+                assert np.isnan(loss)
+            else:
+                assert found.cost - before.cost == pytest.approx(loss)
+                assert loss > -0.0101  # no other set is a cent better
