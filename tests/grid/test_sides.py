@@ -164,7 +164,9 @@ def test_ac_headroom_is_what_pandapower_allows_side_by_side(scenario: Scenario) 
         at, beyond = headroom[t], headroom[t] * 1.01 + 1.0
         try:
             assert all(kva < TOLERANCE_KVA for kva in referee.worsened(t, at).values())
-            assert binding[t] in referee.worsened(t, beyond)
+            # charging may worsen an export, too, by the losses it takes away with the flow
+            worse = referee.worsened(t, beyond)
+            assert binding[t] in {element.removesuffix(":export") for element in worse}
         except PowerFlowDiverged:
             assume(False)
 
