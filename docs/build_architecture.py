@@ -126,15 +126,19 @@ WAY = (
 CHANGES = {
     "an equation of P1": "`evdash/scheduling/equations.py`, as the paper has it; as it is solved, "
     "`evdash/scheduling/fast/relaxation.py`",
-    "what energy costs, a new price component": "`evdash/domain/tariff.py`",
+    "what energy costs, a new price component": "`evdash/domain/tariff.py`, whose first lines say "
+    "where else",
     "what drivers pay, a new price option's terms": "`evdash/domain/scenario.py` `PriceOption`, "
-    "`evdash/horizon/requests.py`",
+    "`evdash/domain/vehicles.py` `Request`, `evdash/horizon/requests.py`; on the Live page "
+    "`evdash/ui/settings.py`; the referee's own: `evdash/audit/asked.py`",
     "a limit of the feeder": "`evdash/grid/reduction.py` (linearised), `evdash/grid/aclimits.py` "
     "`ac_headroom` (AC), and the referees: `evdash/checker/feeder.py`, `evdash/grid/acbreaches.py`",
     "the words of a refusal": "`evdash/domain/refusal.py`",
+    "the words of an explanation": "`evdash/explain/causes_told.py`, "
+    "`evdash/explain/remedies_told.py`",
     "the name of an element in words": "`evdash/domain/words.py`",
     "a field of the scenario": "declared once in `evdash/domain/scenario.py`; files, documentation "
-    "and the app's form follow",
+    "and the Scenario page's form follow",
     "what happens in a day under way": "`evdash/domain/events.py`, `evdash/horizon/in_force.py`, "
     "`evdash/horizon/happen.py`",
     "a figure of a day": "`evdash/metrics/service.py`",

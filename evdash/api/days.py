@@ -40,7 +40,7 @@ from evdash.metrics.service import Service, service
 from evdash.reports import charts
 from evdash.reports.account import Account, account, verdict_on
 from evdash.reports.html import report_html
-from evdash.reports.words import limit_lines, promises_line
+from evdash.reports.words import kept_plans, limit_lines, promises_line
 from evdash.reports.workbook import workbook_bytes
 
 CHARTS: Mapping[str, Callable[[Account], charts.Chart | None]] = {
@@ -89,7 +89,7 @@ class Day:
         return f"<Day {self.trace.scenario.name!r}, {self.label.policy}, {self.label.network}>"
 
     def __str__(self) -> str:
-        told = promises_line(self.account)[1]
+        told = "\n".join([promises_line(self.account)[1], *kept_plans(self.trace)])
         return f"{self.trace.scenario.name}, {self.label.policy}: {told}"
 
     @cached_property
@@ -165,8 +165,9 @@ class Day:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What became of promises and limits, in sentences."""
-        return (promises_line(self.account)[1], *(told for _, told in limit_lines(self.account)))
+        """What became of promises and limits, and when and why the last plan was kept."""
+        limits = (told for _, told in limit_lines(self.account))
+        return (promises_line(self.account)[1], *limits, *kept_plans(self.trace))
 
     def explain(self, vehicle: str) -> Explanation:
         """Explain a refusal: why, and the least change that would have admitted the vehicle.

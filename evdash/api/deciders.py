@@ -13,11 +13,24 @@ Own = Callable[[Snapshot], object]
 
 def rule_of(policy: str | Own) -> Rule:
     """A policy by its name, or one of somebody's own, whose plans are certified like ours."""
-    return given(policy, "policy") if isinstance(policy, str) else own(policy)
+    if isinstance(policy, str):
+        return given(policy, "policy")
+    if not callable(policy):
+        rule = "should be a name, or a function that takes a snapshot"
+        raise InputError([Fault("policy", f"{policy!r}", rule)])
+    return own(policy)
+
+
+def check_some(policies: object) -> None:
+    """Raise InputError for what is not a row of policies, or none at all."""
+    if isinstance(policies, str) or not isinstance(policies, Sequence) or not policies:
+        rule = 'should be a list of policies, as ["p1", "fcfs"]'
+        raise InputError([Fault("policies", f"{policies!r}", rule)])
 
 
 def rules_of(policies: Sequence[str | Own]) -> dict[str, Rule]:
     """Policies that are to race, each under a name of its own."""
+    check_some(policies)
     rules: dict[str, Rule] = {}
     for policy in policies:
         rule = rule_of(policy)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from evdash.api.days import Day
-from evdash.api.deciders import Own, check_network, rule_of, rules_of
+from evdash.api.deciders import Own, check_network, check_some, rule_of, rules_of
 from evdash.api.races import Race
 from evdash.api.studies import Study, run_here
 from evdash.domain import scenario as domain
@@ -315,7 +315,8 @@ class Scenario:
         Parameters
         ----------
         axes : mapping
-            Values by key, of which every combination is run: ``{"station.chargers": [6, 12]}``.
+            Values by key, of which every combination is run: ``{"station.chargers": [6, 12]}``;
+            none, ``{}``: the day as it is.
         days : int or None, default 20
             Days drawn at every point, a seed each; None: the scenario's own arrivals alone.
         policies, networks : sequence of str
@@ -355,6 +356,7 @@ class Scenario:
             "networks": tuple(networks),
             "metrics": tuple(metrics),
         }
+        check_some(policies)
         all_given(policies, "policies")
         return run_here(lay_out(study_of(form), self.data, tuple(policies)), folder, workers)
 

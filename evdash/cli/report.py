@@ -21,9 +21,9 @@ from evdash.metrics.records import (
 )
 from evdash.metrics.service import Totals, totals
 from evdash.metrics.verdict_words import State, Wording, sentences
+from evdash.reports.words import KEPT, kept_plans
 
 HOURLY_ROWS = 48
-MOST_KEPT = 5
 SENTENCE_STYLE: Mapping[State, str] = {
     "bad": "bold red",
     "note": "bold yellow",
@@ -158,13 +158,9 @@ def _print_happenings(terminal: Terminal, trace: Trace) -> None:
 
 
 def _print_kept(terminal: Terminal, trace: Trace) -> None:
-    """When the last plan was kept, and why."""
-    kept = [step for step in trace.steps if step.plan.report.status == "fallback"]
-    for step in kept[:MOST_KEPT]:
-        why = step.plan.report.note
-        terminal.say((f"  {step.start:%H:%M} the last plan was kept:", "bold yellow"), f" {why}")
-    if len(kept) > MOST_KEPT:
-        terminal.say(f"        and in {len(kept) - MOST_KEPT} more intervals")
+    for told in kept_plans(trace):
+        when, kept, why = told.partition(KEPT)
+        terminal.say((f"  {when}{kept}", "bold yellow"), why)
 
 
 def ledger_line(trace: Trace, entry: LedgerEntry) -> str:

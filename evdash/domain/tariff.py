@@ -1,17 +1,22 @@
 """What the station pays for energy: the one place where a schedule turns into money.
 
-A new component of what it pays or earns, an export price or a demand rate, is a field of `Tariff`,
-filled in `Scenario.tariff`, and a term of `cost`. Where schedules are chosen the same term stands
-in `energy_cost` of `evdash/scheduling/equations.py`, as the paper writes it, and in `program_of`
-of `evdash/scheduling/fast/relaxation.py`. What drivers pay is `Request.pays`.
-The checker and the audit, which referee all this, do their own sums.
+A new component of what it pays or earns is a field of `Tariff`, filled in `Scenario.tariff`. What
+is so much a kWh, as a tax, is added in `cost`, `cost_per_kw` (which every program reads: the
+paper's, the fast one, and those that choose among plans of equal worth), `least_cost`,
+`most_apart`, `most_saved_per_kwh` and `mean_price`. What is not, as a demand rate, is a term of
+`cost`, of `energy_cost` in `evdash/scheduling/equations.py` and of `program_of` in
+`evdash/scheduling/fast/relaxation.py`, and bounds that look at prices alone have to know of it.
+The audit, which referees all this, does its own sums (`grep price_per_kwh evdash/audit`), and finds
+fault until it knows. What drivers pay is `Request.pays`.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from evdash.domain.digest import digest
 from evdash.domain.limits import Floats
 
 
@@ -35,7 +40,12 @@ class Tariff:
 
     def __getitem__(self, slots: slice | NDArray[np.intp]) -> "Tariff":
         """The same tariff over some of its slots, in the order asked for."""
-        return Tariff(self.price_per_kwh[slots], self.interval_hours)
+        return replace(self, price_per_kwh=self.price_per_kwh[slots])
+
+    def followed_by(self, others: Sequence["Tariff"]) -> "Tariff":
+        """This tariff, and the slots of others after its own."""
+        prices = [one.price_per_kwh for one in (self, *others)]
+        return replace(self, price_per_kwh=np.concatenate(prices))
 
     def cost(self, power_kw: Floats) -> float:
         """What the energy of a schedule costs: the first term of (P1), Σ c·P·Δt.
@@ -81,10 +91,8 @@ class Tariff:
 
     def dearer_by(self, more_per_kwh: Floats) -> "Tariff":
         """The tariff with so much on every slot's price, (slots,), $/kWh."""
-        return Tariff(self.price_per_kwh + more_per_kwh, self.interval_hours)
+        return replace(self, price_per_kwh=self.price_per_kwh + more_per_kwh)
 
     def is_same(self, other: "Tariff") -> bool:
         """Whether both ask the same of every schedule."""
-        return self.interval_hours == other.interval_hours and np.array_equal(
-            self.price_per_kwh, other.price_per_kwh
-        )
+        return digest(self) == digest(other)

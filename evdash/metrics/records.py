@@ -123,8 +123,8 @@ def executed_station_kw(trace: Trace) -> np.ndarray:
 
 def executed_tariff(trace: Trace) -> Tariff:
     """The tariff in force in each of the intervals executed so far, (steps,)."""
-    prices = [step.inputs.scenario.price_per_kwh[step.interval] for step in trace.steps]
-    return Tariff(np.array(prices), trace.scenario.interval_hours)
+    slots = [step.inputs.scenario.tariff[step.interval :][:1] for step in trace.steps]
+    return trace.scenario.tariff[:0].followed_by(slots)
 
 
 def vehicle_records(trace: Trace) -> tuple[VehicleRecord, ...]:

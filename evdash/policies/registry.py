@@ -168,6 +168,9 @@ def all_given(names: Sequence[str], place: str) -> Mapping[str, Rule]:
     rules: dict[str, Rule] = {}
     faults: list[Fault] = []
     for name in names:
+        if not isinstance(name, str):
+            faults.append(Fault(place, f"{name!r}", "should be a name, such as module:function"))
+            continue
         try:
             rule = given(name, place)
         except InputError as error:

@@ -6,6 +6,7 @@ import numpy as np
 
 from evdash.domain.events import Event
 from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.domain.trace import Trace
 from evdash.domain.words import counted as counted  # noqa: PLC0414 - ours, too
 from evdash.domain.words import element_words
 from evdash.explain.words import Clock
@@ -15,6 +16,8 @@ from evdash.metrics.verdict_words import Wording, sentences
 from evdash.policies.registry import described
 from evdash.reports.account import Account, edited
 
+KEPT = "the last plan was kept:"
+MOST_KEPT = 5
 NETWORK_WORDS = {
     "lindistflow": "the linearised DistFlow model, as in the paper",
     "ac": "full AC power flow",
@@ -185,7 +188,15 @@ def decided_words(account: Account) -> list[str]:
             f"In {counted(fallen, 'interval')} the certified plan of the interval before was kept "
             "and nobody new admitted."
         )
-    return lines
+    return [*lines, *kept_plans(account.trace)]
+
+
+def kept_plans(trace: Trace) -> list[str]:
+    """When the last plan was kept in place of a new one, and why; beyond a few, how often."""
+    kept = [step for step in trace.steps if step.plan.report.status == "fallback"]
+    told = [f"{step.start:%H:%M} {KEPT} {step.plan.report.note}" for step in kept[:MOST_KEPT]]
+    more = len(kept) - MOST_KEPT
+    return [*told, f"and in {counted(more, 'more interval')}"] if more > 0 else told
 
 
 def tightest_words(account: Account) -> str:

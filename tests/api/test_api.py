@@ -16,6 +16,7 @@ import evdash
 from evdash.domain.plan import Plan, Snapshot
 from evdash.files.explanation_rows import EXPLANATION_TABLES
 from evdash.files.run_tables import RUN_TABLES
+from evdash.reports.words import decided_words
 from evdash.scheduling.p1 import p1_policy
 
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
@@ -165,6 +166,19 @@ def test_a_policy_of_ones_own_is_certified_like_ours() -> None:
         scenario.race([lambda _: {}, ours])
 
 
+def test_a_policy_that_answers_nothing_is_told_wherever_the_day_is() -> None:
+    def broken(snapshot: Snapshot) -> object:
+        raise ValueError("boom")
+
+    day = evdash.load(settings={"arrivals.vehicles_per_day": 5.0}).run(policy=broken)
+    kept = day.intervals.query("status == 'fallback'")
+    assert len(kept)
+    first = f"{kept.start.iloc[0]:%H:%M} the last plan was kept: "
+    assert first in str(day)
+    assert any(told.startswith(first) and "boom" in told for told in day.sentences)
+    assert any("boom" in line for line in decided_words(day.account))
+
+
 def test_a_race_is_drawn_and_told() -> None:
     race = evdash.load("summer-weekday").race(["oracle", "p1", "bid-price"])
     assert race.most_profit is not None
@@ -193,11 +207,19 @@ def test_a_study_is_kept_resumed_and_drawn(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("call", "told"),
     [
-        (lambda: evdash.load("nowhere"), "nowhere"),
+        (lambda: evdash.load("nowhere"), "nowhere: found nothing there; .* or one of summer-week"),
+        (lambda: evdash.load("no/where"), "no/where"),
         (lambda: evdash.load(settings={"station.colour": 1}), "colour"),
         (lambda: evdash.load().run("p2"), "'p2'"),
         (lambda: evdash.load().run(network="dc"), "'dc'"),
+        (lambda: evdash.load().run(policy=3), "found 3; should be a name, or a function"),
+        (lambda: evdash.load().run(policy=None), "found None; should be a name"),
         (lambda: evdash.load().race(["p1", "p2"]), "'p2'"),
+        (lambda: evdash.load().race(["p1", 3]), "found 3; should be a name"),
+        (lambda: evdash.load().race([]), "should be a list of policies"),
+        (lambda: evdash.load().race("p1"), "should be a list of policies"),
+        (lambda: evdash.load().study({}, policies=[print]), "should be a name, such as module"),
+        (lambda: evdash.load().study({}, policies=()), "should be a list of policies"),
         (lambda: evdash.load().study({"station.chargers": [-1]}), "-1"),
         (lambda: evdash.load().study({}, days=0), "seeds"),
         (lambda: evdash.load().study({}, metrics=["beauty"]), "beauty"),

@@ -23,7 +23,9 @@ from evdash.horizon.inputs import prepare
 from evdash.metrics.verdict import violations
 from evdash.reports.account import transformers
 from evdash.studies.keys import STUDY_KEYS
+from evdash.studies.reading import lay_out, parse_study
 from evdash.ui.events.choices import elements
+from evdash.ui.studies.ask import _ratings
 from tests.builders import line, make_scenario, names, node, vehicle
 
 INPUTS = TypeAdapter(Inputs)
@@ -135,3 +137,16 @@ def test_a_rating_changes_where_it_is_and_nowhere_else() -> None:
 def test_an_event_tells_its_element() -> None:
     event = Event(interval=1, event="rating", subject="line:s-a", value=4.0)
     assert event.text == "the rating of line s-a is 4 kVA from now on"
+
+
+def test_a_study_of_ones_own_offers_each_line_by_a_key_that_works() -> None:
+    scenario = twins()
+    keys = _ratings(scenario)
+    assert len(keys) == len(scenario.lines)
+    for key, rating in keys.items():
+        changed = STUDY_KEYS["line."].change(scenario.model_dump(), key.removeprefix("line."), 77.0)
+        assert [one["rating_kva"] for one in changed["lines"]].count(77.0) == 1
+        assert rating in (None, 40.0, 10.0)
+    axis = f'[[axis]]\nkey = "{[*keys][-1]}"\nvalues = [7.0, 9.0]\n'
+    study = parse_study(f'format = 1\nname = "twins"\nbase = "x"\n{axis}')
+    assert len(lay_out(study, scenario).points) == 2

@@ -3,14 +3,20 @@
 import ast
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from evdash.domain.events import Event
+from evdash.domain.scenario import Scenario
 from evdash.domain.tariff import Tariff
 from evdash.domain.words import money, some_money
-from evdash.horizon.day import start_day
+from evdash.horizon.day import run_day, start_day, step
+from evdash.horizon.happen import happen
+from evdash.metrics.records import executed_tariff
+from evdash.scheduling.p1 import p1_policy
 from tests.builders import make_scenario, vehicle
 
 EVDASH = Path(__file__).parents[2] / "evdash"
@@ -167,3 +173,36 @@ def test_amounts_have_two_digits_and_one_sign():
 def test_amounts_are_put_in_words_in_one_place():
     amount = re.compile(r"\$\{[^{}]*\.2f\}")
     assert {path for path, text in sources() if amount.search(text)} == {"domain/words.py"}
+
+
+@dataclass(frozen=True, slots=True)
+class Taxed(Tariff):
+    """With a component that the tariff of today has not."""
+
+    tax_per_kwh: float = 0.2
+
+
+def test_no_part_of_a_tariff_loses_a_component():
+    """Parts rebuilt by position lost it in silence: the tax was planned with and never paid."""
+    taxed = Taxed(np.array([0.1, 0.2, 0.3]), 1.0)
+    for part in (
+        taxed[1:],
+        taxed[np.array([2, 0])],
+        taxed.dearer_by(np.ones(3)),
+        taxed.followed_by([]),
+    ):
+        assert isinstance(part, Taxed)
+        assert part.tax_per_kwh == 0.2
+    assert not taxed.is_same(replace(taxed, tax_per_kwh=0.3))
+
+
+def test_what_was_executed_is_the_tariff_in_force_interval_by_interval(monkeypatch):
+    trace = start_day(make_scenario(price=(0.1, 0.2, 0.4), vehicles=[vehicle("a")]))
+    trace = step(trace, p1_policy())
+    trace = happen(trace, [Event(interval=1, event="price", value=0.7)])
+    trace = run_day(trace, p1_policy())
+    assert executed_tariff(trace).price_per_kwh.tolist() == [0.1, 0.7, 0.7]
+    monkeypatch.setattr(
+        Scenario, "tariff", property(lambda s: Taxed(s.price_per_kwh, s.interval_hours))
+    )
+    assert isinstance(executed_tariff(trace), Taxed)

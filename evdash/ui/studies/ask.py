@@ -171,7 +171,7 @@ def read_values(text: str) -> tuple[object, ...]:
 
 def _own(scenario: Scenario) -> Study:
     """Up to two axes put together by hand."""
-    keys = [*OFTEN, *(f"line.{line.name}.rating_kva" for line in scenario.lines)]
+    keys = [*OFTEN, *_ratings(scenario)]
     axes = []
     for n, first in enumerate((OFTEN[0], "")):
         key = st.selectbox(
@@ -197,13 +197,17 @@ def _few(scenario: Scenario) -> Seeds | None:
     return Seeds(count=10) if sure(scenario).seeds is not None else None
 
 
+def _ratings(scenario: Scenario) -> dict[str, float | None]:
+    """The ratings of lines by key, kVA; lines by the names that tell them apart."""
+    names = {scenario.file_name(line.element): line.rating_kva for line in scenario.lines}
+    return {f"line.{name.removeprefix('line:')}.rating_kva": kva for name, kva in names.items()}
+
+
 def _present(scenario: Scenario, key: str) -> object:
     """What a key is now, or 1 where it has no value of its own."""
     table, _, field = key.partition(".")
     if table == "line":
-        name = field.removesuffix(".rating_kva")
-        rating = next((line.rating_kva for line in scenario.lines if line.name == name), None)
-        return rating or 500
+        return _ratings(scenario).get(key) or 500
     value = getattr(getattr(scenario, table, None), field, None)
     return 0.03 if key == "voltage.band_pu" else 1 if value is None else value
 
