@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from evdash.domain.scenario import FleetModel, Line, Node, Scenario
+from evdash.domain.arrivals import FleetModel
+from evdash.domain.scenario import Line, Node, Scenario
 from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from evdash.domain.arrivals import ArrivalStatistics
 from evdash.domain.plan import Policy
-from evdash.domain.scenario import ArrivalStatistics, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.files.bundled import bundled_scenarios
 from evdash.files.overrides import Setting

@@ -12,14 +12,12 @@ from pydantic.fields import FieldInfo
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
+from evdash.domain.arrivals import Arrival, FleetModel, GeneratedArrivals  # noqa: E402
 from evdash.domain.events import EVENT_FORMS, Event  # noqa: E402 - the path above makes it so
 from evdash.domain.fields import LARGE  # noqa: E402
 from evdash.domain.refusal import CLAUSES  # noqa: E402
 from evdash.domain.scenario import (  # noqa: E402
-    Arrival,
     Feeder,
-    FleetModel,
-    GeneratedArrivals,
     Line,
     Node,
     PriceOption,
@@ -32,8 +30,8 @@ from evdash.files.run_tables import RUN_TABLES  # noqa: E402
 INTRODUCTION = """\
 # Scenario folders and run folders
 
-Written by `docs/build_scenario_doc.py` from the declarations in `evdash/domain/scenario.py` and
-`evdash/files/run_tables.py`.
+Written by `docs/build_scenario_doc.py` from the declarations in `evdash/domain/scenario.py`,
+`evdash/domain/arrivals.py` and `evdash/files/run_tables.py`.
 
 A scenario is a folder, or a `.zip` of one, with `scenario.toml` and the CSV tables below: UTF-8,
 comma-separated, with a header. A blank cell means none; a column that may be blank may be left

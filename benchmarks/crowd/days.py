@@ -3,7 +3,8 @@
 import re
 from pathlib import Path
 
-from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.arrivals import RecordedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.files.bundled import DEFAULT
 from evdash.files.overrides import edit_scenario
 from evdash.files.scenario_folder import read_scenario, resolved

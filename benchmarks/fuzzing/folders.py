@@ -13,8 +13,9 @@ from pydantic import BaseModel
 
 from benchmarks.fuzzing.values import field_of, hostile_text, pick, value_for
 from benchmarks.random_days import random_scenario
+from evdash.domain.arrivals import Arrival, FleetModel
 from evdash.domain.events import EVENT_FORMS, Event
-from evdash.domain.scenario import Arrival, FleetModel, Line, Node, ProfileRow, Scenario
+from evdash.domain.scenario import Line, Node, ProfileRow, Scenario
 from evdash.errors import InputError
 from evdash.files.scenario_folder import parse_scenario, resolved, scenario_files
 from evdash.horizon.arrivals import arrivals_of

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from benchmarks.soundness import problems_of_day
 from evdash.audit.audit import audit_run
-from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.arrivals import RecordedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.files.draft import files_of, read_draft, scenario_of

@@ -12,6 +12,7 @@ from evdash.api.deciders import Own, check_network, check_some, rule_of, rules_o
 from evdash.api.races import Race
 from evdash.api.studies import Study, run_here
 from evdash.domain import scenario as domain
+from evdash.domain.arrivals import LOCAL_TIME_FORMAT, Arrival
 from evdash.domain.events import Event
 from evdash.domain.study import Study as StudyForm
 from evdash.domain.trace import Network
@@ -119,7 +120,7 @@ class Scenario:
     @property
     def arrivals(self) -> pd.DataFrame:
         """Who comes: the vehicles on file, or those the seed draws, as `arrivals.csv`."""
-        return frame(domain.Arrival, arrivals_of(self.data))
+        return frame(Arrival, arrivals_of(self.data))
 
     @property
     def events(self) -> pd.DataFrame:
@@ -192,7 +193,7 @@ class Scenario:
             raise InputError([Fault("name", repr(name), f"should be one of {tables}")])
         if name == "arrivals":
             known = resolved(known, arrivals_of(known))
-        text = table.to_csv(index=False, date_format=domain.LOCAL_TIME_FORMAT)
+        text = table.to_csv(index=False, date_format=LOCAL_TIME_FORMAT)
         files = scenario_files(known) | {file: text}
         return Scenario(parse_scenario({name: text.encode() for name, text in files.items()}))
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from evdash.audit.events import chargers_at
-from evdash.domain.scenario import Arrival, PriceOption, RecordedArrivals, Scenario
+from evdash.domain.arrivals import Arrival, RecordedArrivals
+from evdash.domain.scenario import PriceOption, Scenario
 
 ROUNDING = 1e-9
 Door = Literal["", "after the end", "no chargers", "unattainable", "end of horizon"]

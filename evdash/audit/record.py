@@ -11,10 +11,11 @@ import numpy as np
 
 from evdash.audit.asked import Asked, everyone_asked
 from evdash.audit.events import as_it_turned_out
+from evdash.domain.arrivals import RecordedArrivals
 from evdash.domain.fields import Record
 from evdash.domain.limits import Floats
 from evdash.domain.refusal import CLAUSES, RefusalKind
-from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network
 from evdash.errors import Fault, InputError
 from evdash.files.explanation_rows import EXPLANATION_TABLES

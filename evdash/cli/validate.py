@@ -3,7 +3,7 @@
 import argparse
 
 from evdash.cli.terminal import Terminal
-from evdash.domain.scenario import RecordedArrivals
+from evdash.domain.arrivals import RecordedArrivals
 from evdash.files.scenario_folder import read_scenario
 
 

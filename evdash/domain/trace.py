@@ -6,11 +6,12 @@ from typing import Annotated, Any, Literal, Protocol
 
 from pydantic import BeforeValidator, ValidationInfo
 
+from evdash.domain.arrivals import Arrival
 from evdash.domain.breach import Breach
 from evdash.domain.events import Event
 from evdash.domain.limits import Floats, LimitRows
 from evdash.domain.plan import Plan
-from evdash.domain.scenario import Arrival, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.vehicles import ENERGY_TOLERANCE_KWH, Contract, Request
 
 PAPERS = "p1"

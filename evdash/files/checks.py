@@ -10,13 +10,13 @@ from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import timedelta
 
-from evdash.domain.scenario import (
+from evdash.domain.arrivals import (
     MOST_VEHICLES,
     ArrivalStatistics,
     GeneratedArrivals,
     RecordedArrivals,
-    Scenario,
 )
+from evdash.domain.scenario import Scenario
 from evdash.grid.radial import topology_problems
 
 Place = tuple[str | int, ...]

@@ -6,7 +6,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from evdash.domain.scenario import LOCAL_TIME_FORMAT, GeneratedArrivals, RecordedArrivals, Scenario
+from evdash.domain.arrivals import LOCAL_TIME_FORMAT, GeneratedArrivals, RecordedArrivals
+from evdash.domain.scenario import Scenario
 
 MOST_ROWS = 4
 """So many differing rows of a column are told one by one; more are summed up."""

@@ -13,16 +13,9 @@ from typing import Any
 import tomlkit
 from pydantic import BaseModel
 
+from evdash.domain.arrivals import Arrival, ArrivalStatistics, FleetModel
 from evdash.domain.events import Event
-from evdash.domain.scenario import (
-    Arrival,
-    ArrivalStatistics,
-    FleetModel,
-    Line,
-    Node,
-    ProfileRow,
-    Scenario,
-)
+from evdash.domain.scenario import Line, Node, ProfileRow, Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.nested import read_toml
 from evdash.files.scenario_folder import SETTINGS, parse_scenario, resolved, scenario_files

@@ -3,8 +3,9 @@
 import re
 from collections.abc import Iterator
 
+from evdash.domain.arrivals import RecordedArrivals
 from evdash.domain.events import EVENT_FORMS, Event, EventForm
-from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.vehicles import DRAWN, GUEST
 from evdash.files.checks import EVERY, Check, Place, Problem
 

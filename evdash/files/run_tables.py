@@ -5,6 +5,7 @@ from typing import Literal, TypeVar
 
 from pydantic import ValidationError
 
+from evdash.domain.arrivals import LOCAL_TIME_FORMAT, LocalTime
 from evdash.domain.fields import (
     OptionalCount,
     OptionalNumber,
@@ -12,7 +13,6 @@ from evdash.domain.fields import (
     declare,
     declare_optional,
 )
-from evdash.domain.scenario import LOCAL_TIME_FORMAT, LocalTime
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.files.tables import read_table, write_table

@@ -9,20 +9,17 @@ from typing import Any
 import tomlkit
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from evdash.domain.events import Event
-from evdash.domain.scenario import (
+from evdash.domain.arrivals import (
     LOCAL_TIME_FORMAT,
     Arrival,
     ArrivalStatistics,
     FleetModel,
     GeneratedArrivals,
-    Line,
     LocalTime,
-    Node,
-    ProfileRow,
     RecordedArrivals,
-    Scenario,
 )
+from evdash.domain.events import Event
+from evdash.domain.scenario import Line, Node, ProfileRow, Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.checks import Place
 from evdash.files.folder import read_files

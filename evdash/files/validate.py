@@ -13,7 +13,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from evdash.domain.scenario import GeneratedArrivals, RecordedArrivals, Scenario
+from evdash.domain.arrivals import GeneratedArrivals, RecordedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.checks import CHECKS, EVERY, Place, Problem
 from evdash.files.event_checks import EVENT_CHECKS

@@ -5,7 +5,8 @@ from datetime import timedelta
 import numpy as np
 from scipy.special import betainc, betaincinv
 
-from evdash.domain.scenario import Arrival, ArrivalStatistics, RecordedArrivals, Scenario
+from evdash.domain.arrivals import Arrival, ArrivalStatistics, RecordedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.domain.vehicles import DRAWN
 
 SOC_STEPS = 1000

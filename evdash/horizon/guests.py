@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from evdash.domain.scenario import Arrival
+from evdash.domain.arrivals import Arrival
 from evdash.domain.trace import Trace
 from evdash.domain.vehicles import GUEST
 from evdash.errors import Fault, InputError

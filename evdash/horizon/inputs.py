@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from evdash.domain.arrivals import Arrival, GeneratedArrivals
 from evdash.domain.limits import LimitRows
-from evdash.domain.scenario import Arrival, GeneratedArrivals, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Inputs, Network
 from evdash.domain.vehicles import GUEST
 from evdash.errors import Fault, InputError

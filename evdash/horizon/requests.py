@@ -6,8 +6,9 @@ from dataclasses import replace
 from datetime import datetime, timedelta
 from functools import partial
 
+from evdash.domain.arrivals import Arrival
 from evdash.domain.refusal import RefusalReason
-from evdash.domain.scenario import Arrival, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.vehicles import Request
 
 CEIL_TOLERANCE = 1e-9

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta, timezone, tzinfo
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from evdash.domain.scenario import FIRST_YEAR, LAST_YEAR
+from evdash.domain.arrivals import FIRST_YEAR, LAST_YEAR
 from evdash.errors import Fault, InputError
 
 PATTERNS = (

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from datetime import datetime, time, timedelta
 from typing import Any
 
-from evdash.domain.scenario import LOCAL_TIME_FORMAT
+from evdash.domain.arrivals import LOCAL_TIME_FORMAT
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft, Row
 from evdash.files.wording import shown

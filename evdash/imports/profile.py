@@ -7,7 +7,8 @@ from datetime import date, datetime, time, timedelta
 
 import numpy as np
 
-from evdash.domain.scenario import LOCAL_TIME_FORMAT, ProfileRow
+from evdash.domain.arrivals import LOCAL_TIME_FORMAT
+from evdash.domain.scenario import ProfileRow
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft
 from evdash.files.wording import shown

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from evdash.domain.scenario import LOCAL_TIME_FORMAT
+from evdash.domain.arrivals import LOCAL_TIME_FORMAT
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Row
 from evdash.imports.session_rows import Session, SessionRules

@@ -10,14 +10,8 @@ from pathlib import Path
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from evdash.domain.scenario import (
-    Feeder,
-    GeneratedArrivals,
-    PriceOption,
-    RecordedArrivals,
-    Scenario,
-    Station,
-)
+from evdash.domain.arrivals import GeneratedArrivals, RecordedArrivals
+from evdash.domain.scenario import Feeder, PriceOption, Scenario, Station
 from evdash.errors import Fault, InputError
 from evdash.files.draft import RECORDS, Draft, read_draft
 from evdash.files.exchange import put_files

@@ -10,10 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from evdash.domain.arrivals import ArrivalStatistics, GeneratedArrivals
 from evdash.domain.limits import Floats
 from evdash.domain.plan import Plan, Policy, Refusal, Snapshot, SolveReport
 from evdash.domain.refusal import RefusalReason
-from evdash.domain.scenario import ArrivalStatistics, GeneratedArrivals, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.tariff import Tariff
 from evdash.domain.vehicles import Request
 from evdash.errors import Fault, InputError

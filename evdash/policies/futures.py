@@ -10,8 +10,9 @@ import numpy as np
 from scipy.special import xlogy
 from scipy.stats import chi2
 
+from evdash.domain.arrivals import ArrivalStatistics
 from evdash.domain.plan import Snapshot
-from evdash.domain.scenario import ArrivalStatistics, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.vehicles import Request
 from evdash.horizon.arrivals import draw_arrivals, minute_rates
 from evdash.horizon.requests import requests_by_interval

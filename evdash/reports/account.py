@@ -7,8 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from evdash.domain.arrivals import RecordedArrivals
 from evdash.domain.outlook import Outlook
-from evdash.domain.scenario import Line, RecordedArrivals, Scenario
+from evdash.domain.scenario import Line, Scenario
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.files.differences import Difference, scenario_differences

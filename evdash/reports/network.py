@@ -4,7 +4,8 @@ from datetime import datetime, time, timedelta
 
 import numpy as np
 
-from evdash.domain.scenario import LOCAL_TIME_FORMAT, Scenario
+from evdash.domain.arrivals import LOCAL_TIME_FORMAT
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.errors import Fault, InputError
 from evdash.grid.handover import handover_json

@@ -9,7 +9,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from evdash.domain.scenario import FleetModel, RecordedArrivals, Scenario
+from evdash.domain.arrivals import FleetModel, RecordedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.files.draft import RECORDS
 from evdash.files.run_export import voltage_rows
 from evdash.files.run_tables import (

@@ -4,8 +4,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from evdash.domain.arrivals import GeneratedArrivals
 from evdash.domain.events import Event
-from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.domain.words import counted as counted  # noqa: PLC0414 - ours, too
 from evdash.domain.words import element_words

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
+from evdash.domain.arrivals import GeneratedArrivals
 from evdash.domain.plan import Policy
-from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.horizon.day import run_day, start_day
 from evdash.metrics.service import totals
 

@@ -2,7 +2,8 @@
 
 import math
 
-from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.domain.arrivals import GeneratedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.domain.study import StudyRuns
 
 DAY_SECONDS, DAY_INTERVALS, DAY_VEHICLES = 0.15, 24, 100

@@ -4,7 +4,8 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.domain.arrivals import GeneratedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.domain.study import ALL_NODES, Axis, Case, Seeds, Study
 from evdash.grid.reduction import limit_rows
 

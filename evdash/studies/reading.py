@@ -7,7 +7,8 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.arrivals import RecordedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.domain.study import (
     ALL_NODES,
     MOST_POINTS,

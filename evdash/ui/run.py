@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from evdash.domain.arrivals import Arrival
 from evdash.domain.events import Event
 from evdash.domain.plan import Policy
-from evdash.domain.scenario import Arrival, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.errors import (
     EvdashError,

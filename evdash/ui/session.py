@@ -11,8 +11,9 @@ from typing import Any, Literal, TypeVar
 
 import streamlit as st
 
+from evdash.domain.arrivals import Arrival
 from evdash.domain.events import Event
-from evdash.domain.scenario import Arrival, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Network, Trace
 from evdash.errors import legible
 from evdash.files.bundled import DEFAULT, bundled_scenarios

@@ -8,14 +8,9 @@ from dataclasses import dataclass
 
 from pydantic.fields import FieldInfo
 
+from evdash.domain.arrivals import GeneratedArrivals
 from evdash.domain.outlook import Outlook
-from evdash.domain.scenario import (
-    GeneratedArrivals,
-    PriceOption,
-    ProfileRow,
-    Scenario,
-    Station,
-)
+from evdash.domain.scenario import PriceOption, ProfileRow, Scenario, Station
 from evdash.domain.trace import Inputs, Network, Trace
 from evdash.errors import Fault
 from evdash.policies.registry import described

@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
+from evdash.domain.arrivals import GeneratedArrivals
 from evdash.domain.events import Event
-from evdash.domain.scenario import GeneratedArrivals
 from evdash.domain.words import money
 from evdash.explain.words import Clock
 from evdash.metrics.service import Totals, totals

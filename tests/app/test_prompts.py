@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import pytest
 
+from evdash.domain.arrivals import Arrival
 from evdash.domain.events import Event
-from evdash.domain.scenario import Arrival, Scenario
+from evdash.domain.scenario import Scenario
 from evdash.domain.trace import Trace
 from evdash.errors import InputError
 from evdash.files.bundled import DEFAULT, bundled_scenarios

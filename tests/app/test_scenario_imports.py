@@ -6,7 +6,8 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.arrivals import RecordedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.grid.nets.shipped import shipped_json
 from evdash.imports.workbook import written
 from tests.app.test_scenario_page import editor, opened, press, session, upload

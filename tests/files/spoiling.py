@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import tomlkit
 
-from evdash.domain.scenario import ArrivalStatistics, RecordedArrivals
+from evdash.domain.arrivals import ArrivalStatistics, RecordedArrivals
 from evdash.errors import InputError
 from evdash.files.scenario_folder import parse_scenario, scenario_files
 from tests.builders import generator, line, make_scenario, node, vehicle

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.domain.arrivals import GeneratedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.errors import InputError
 from evdash.files.scenario_folder import parse_scenario
 from evdash.grid.reduction import limit_rows

@@ -4,7 +4,7 @@ from datetime import timedelta
 
 import pytest
 
-from evdash.domain.scenario import RecordedArrivals
+from evdash.domain.arrivals import RecordedArrivals
 from evdash.files.scenario_folder import parse_scenario
 from tests.builders import START
 from tests.files.spoiling import (

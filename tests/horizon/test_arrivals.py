@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from evdash.domain.scenario import Arrival, Scenario
+from evdash.domain.arrivals import Arrival
+from evdash.domain.scenario import Scenario
 from evdash.files.overrides import edit_scenario
 from evdash.horizon.arrivals import arrivals_of, draw_arrivals, minute_rates
 from tests.builders import generator, make_scenario

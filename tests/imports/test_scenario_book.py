@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from evdash.domain.scenario import RecordedArrivals
+from evdash.domain.arrivals import RecordedArrivals
 from evdash.errors import InputError
 from evdash.files.bundled import DEFAULT, bundled_scenarios
 from evdash.files.draft import Draft, draft_of, scenario_of

@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from evdash.domain.scenario import RecordedArrivals, Scenario
+from evdash.domain.arrivals import RecordedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.errors import InputError
 from evdash.files.bundled import DEFAULT
 from evdash.files.draft import draft_of, scenario_of

@@ -3,7 +3,7 @@
 import pytest
 
 from evdash.audit.audit import audit_run
-from evdash.domain.scenario import Arrival
+from evdash.domain.arrivals import Arrival
 from evdash.files.draft import zipped
 from evdash.files.exchange import output_folder
 from evdash.files.run_export import RunLabel

@@ -6,14 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from evdash.domain.scenario import (
-    Feeder,
-    PriceOption,
-    ProfileRow,
-    RecordedArrivals,
-    Scenario,
-    Station,
-)
+from evdash.domain.arrivals import RecordedArrivals
+from evdash.domain.scenario import Feeder, PriceOption, ProfileRow, Scenario, Station
 from evdash.grid.acflow import ac_flow
 from evdash.grid.nets.feeder import ConvertedFeeder
 from evdash.grid.nets.records import RECORDS, Net

@@ -4,7 +4,7 @@ import streamlit as st
 from annotated_types import Ge
 from pydantic import ValidationError
 
-from evdash.domain.scenario import Arrival
+from evdash.domain.arrivals import Arrival
 from evdash.domain.trace import PAPERS
 from evdash.errors import Fault, InputError
 from evdash.horizon.guests import guest_name

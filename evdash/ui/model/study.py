@@ -9,7 +9,8 @@ import streamlit as st
 
 from evdash.charts.days import days_alt, days_figure
 from evdash.charts.drawn import Drawn
-from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.domain.arrivals import GeneratedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.studies.days import DayTaken, days_taken
 from evdash.studies.days_file import MeasuredDays, processor, read_days
 from evdash.ui.apart import one_click

@@ -6,7 +6,8 @@ from typing import Any
 
 import streamlit as st
 
-from evdash.domain.scenario import GeneratedArrivals, Scenario
+from evdash.domain.arrivals import GeneratedArrivals
+from evdash.domain.scenario import Scenario
 from evdash.errors import Fault, InputError
 from evdash.files.draft import Draft, Rows, draft_of, files_of, scenario_of
 from evdash.files.scenario_folder import SETTINGS

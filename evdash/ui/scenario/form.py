@@ -4,14 +4,9 @@ from functools import partial
 
 import streamlit as st
 
+from evdash.domain.arrivals import GeneratedArrivals, RecordedArrivals
 from evdash.domain.events import EVENT_FORMS
-from evdash.domain.scenario import (
-    Feeder,
-    GeneratedArrivals,
-    RecordedArrivals,
-    Scenario,
-    Station,
-)
+from evdash.domain.scenario import Feeder, Scenario, Station
 from evdash.errors import InputError
 from evdash.files.bundled import DEFAULT
 from evdash.files.draft import drawn, listed, read_settings, settings_text

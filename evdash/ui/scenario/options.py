@@ -4,7 +4,8 @@ from typing import Any
 
 import streamlit as st
 
-from evdash.domain.scenario import ArrivalStatistics, PriceOption
+from evdash.domain.arrivals import ArrivalStatistics
+from evdash.domain.scenario import PriceOption
 from evdash.files.draft import Rows
 from evdash.files.wording import allowed_words
 from evdash.ui.scenario.editor import Editor
