@@ -84,7 +84,7 @@ study_policy: Policy = shared(p1_plans(), TURNS, most_plans=0)
 
 MOST_MADE = 16
 _made: OrderedDict[tuple[str, int], tuple[Inputs, Policy]] = OrderedDict()
-_making = threading.Lock()
+_made_lock = threading.Lock()
 
 
 def decider(trace: Trace) -> tuple[Policy, Decide]:
@@ -97,15 +97,17 @@ def decider(trace: Trace) -> tuple[Policy, Decide]:
         return policy, certified_plan
     rule, inputs = known(trace.policy), _made_for(trace)
     key = (rule.name, id(inputs))
-    with _making:
-        if key not in _made:
-            with TURNS.one():
-                made = rule.make(inputs)
-            _made[key] = (inputs, shared(_alone(made), TURNS))  # held, so that its id stays its own
-            while len(_made) > MOST_MADE:
-                _made.popitem(last=False)
+    with _made_lock:
+        found = _made.get(key)
+    if found is None:  # made without the lock: an oracle's day is solved whole for it
+        with TURNS.one():
+            found = inputs, shared(_alone(rule.make(inputs)), TURNS)
+    with _made_lock:
+        found = _made.setdefault(key, found)  # the inputs are held, so that their id stays theirs
         _made.move_to_end(key)
-        return _made[key][1], rule.decide
+        while len(_made) > MOST_MADE:
+            _made.popitem(last=False)
+    return found[1], rule.decide
 
 
 def whole_day(trace: Trace) -> Trace:

@@ -1,6 +1,8 @@
 """Who decides, on the Live page: chosen, kept, told, explained and handed on truly."""
 
 import json
+import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -297,3 +299,31 @@ def test_asked_of_nobody_it_says_who_there_is():
     trace = start_day(read_scenario(DEFAULT), policy="nobody")
     with pytest.raises(InputError, match="should be one of p1"):
         decider(trace)
+
+
+def test_nobody_waits_while_a_policy_of_somebody_elses_is_made(monkeypatch):
+    """An oracle is made by solving its whole day."""
+    making, go_on, oracle = threading.Event(), threading.Event(), RULES["oracle"]
+
+    def slow(inputs):
+        making.set()
+        assert go_on.wait(60)
+        return oracle.make(inputs)
+
+    monkeypatch.setitem(RULES, "oracle", replace(oracle, make=slow))
+    day = make_scenario(vehicles=[vehicle("a")])
+    thread = threading.Thread(target=decider, args=(start_day(day, policy="oracle"),))
+    thread.start()
+    assert making.wait(60)
+    try:
+        other = start_day(make_scenario(vehicles=[vehicle("b")]), policy="fcfs")
+        found: list[object] = []
+        beside = threading.Thread(target=lambda: found.append(decider(other)), daemon=True)
+        beside.start()
+        beside.join(60)
+        assert found
+    finally:
+        go_on.set()
+        thread.join()
+    again = start_day(day, policy="oracle")
+    assert decider(again)[0] is decider(again)[0]
