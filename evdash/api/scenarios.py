@@ -17,7 +17,7 @@ from evdash.domain.events import Event
 from evdash.domain.study import Study as StudyForm
 from evdash.domain.trace import Network
 from evdash.errors import Fault, InputError
-from evdash.files.bundled import located
+from evdash.files.bundled import bundled_scenarios, is_there, located
 from evdash.files.draft import zipped
 from evdash.files.exchange import put_files
 from evdash.files.frames import frame
@@ -70,7 +70,12 @@ def load(
     >>> evdash.load("price-spike", {"station.chargers": 6})
     <Scenario 'Price spike': 13 nodes, 24 intervals of 60 min, 6 chargers>
     """
-    scenario = Scenario(read_scenario(located(source)))
+    place = located(source)
+    if not is_there(place):
+        names = ", ".join(folder.name for folder in bundled_scenarios())
+        rule = f"should be a scenario folder, a .zip of one, or one of {names}"
+        raise InputError([Fault(str(source), "nothing there", rule)])
+    scenario = Scenario(read_scenario(place))
     return scenario.replace(settings) if settings else scenario
 
 

@@ -1,16 +1,12 @@
 """The scenarios that come with the program."""
 
-import re
 from pathlib import Path
 
-from evdash.errors import Fault, InputError
 from evdash.resources import DATA
 
 PRESETS = DATA / "presets"
 DEFAULT = PRESETS / "summer-weekday"
 STUDIES = DATA / "studies"
-WORD = re.compile(r"[\w-]+")
-"""What may be meant for the name of a bundled scenario, and not for a path."""
 
 
 def bundled_scenarios() -> tuple[Path, ...]:
@@ -22,16 +18,11 @@ def bundled_scenarios() -> tuple[Path, ...]:
 def located(place: str | Path, beside: Path | None = None) -> Path:
     """Where a scenario lies: a folder or .zip seen from `beside`, or else the bundled one so named.
 
-    Raises InputError for a word that is neither; a path that leads nowhere is given back as it
-    stands, for whoever reads it to tell.
+    What is neither is given back as it stands, for whoever reads it to tell.
     """
     path = beside / place if beside else Path(place)
     names = {folder.name: folder for folder in bundled_scenarios()}
-    found = path if is_there(path) else names.get(str(place), path)
-    if found is path and WORD.fullmatch(str(place)) and not is_there(path):
-        rule = f"should be a scenario folder, a .zip of one, or one of {', '.join(names)}"
-        raise InputError([Fault(str(place), "nothing there", rule)])
-    return found
+    return path if is_there(path) else names.get(str(place), path)
 
 
 def located_study(place: str | Path) -> Path:
